@@ -1,4 +1,4 @@
-// What a training iteration fuses, each by itself.
+// The fused parts of a training iteration, each by itself.
 
 #include <utility>
 

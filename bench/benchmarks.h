@@ -1,5 +1,5 @@
 #pragma once
-// The families of stage_bench, and what they share.
+// The families of stage_bench, and their common parts.
 
 #include <benchmark/benchmark.h>
 
@@ -17,16 +17,16 @@ struct Case {
   InputSize size;
 };
 
-/// Whole iterations: median ms and share of the ceiling by stage, pairs per second.
+/// Measures whole iterations: median ms and share of the ceiling by stage, pairs per second.
 void MeasureStages(benchmark::State& state, const Case& c);
-/// What an iteration fuses, each by itself on the same input.
+/// Measures each part of a fused iteration by itself on the same input.
 void MeasureAlone(benchmark::State& state, const Case& c);
-/// Blending on 1 thread and on all; fails when images or gradients differ in a bit.
+/// Measures blending on 1 thread and on all; fails when images or gradients differ in a bit.
 void MeasureThreads(benchmark::State& state, const Case& c);
-/// Peak memory of the process, which should run nothing else.
+/// Measures the peak memory of the process, which should run nothing else.
 void MeasureMemory(benchmark::State& state, const Case& c);
 
-/// Counters that say what was measured; `view` is one of the input's.
+/// Sets counters that describe the case; `view` is one of the input's.
 void DescribeCase(const Case& c, const TrainView& view, benchmark::State* state);
 
 template <class F>
@@ -36,8 +36,8 @@ double MillisecondsOf(F&& f) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// What the running benchmark works on. One is kept: while Google Benchmark calls the same benchmark again with more
-/// iterations it stays, another benchmark's takes its place.
+/// State of the running benchmark. One is kept: it stays while Google Benchmark calls the same benchmark again with
+/// more iterations, and another benchmark's replaces it.
 class Workpiece {
  public:
   template <class T, class Make>

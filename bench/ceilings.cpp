@@ -19,8 +19,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// More than two ports times four cycles of latency; sixteen registers leave room for two constants.
 constexpr int kChains = 12;
 
-/// Returns the flops done. The chains begin at x[0 .. kChains - 1], all different, lest the compiler see that they are
-/// one and the same; x[0] receives what keeps it from leaving them out.
+/// Runs the loop and returns its flops. The chains begin at x[0 .. kChains - 1], all different, so that the compiler
+/// cannot merge them; x[0] receives a result, so that it cannot drop them.
 double FmaLoop(int64_t rounds, float* x) {
   const hn::CappedTag<float, 16> d;
   const auto half = hn::Set(d, 0.5f), one = hn::Set(d, 1.f);  // x -> x / 2 + 1 tends to 2: never denormal

@@ -1,4 +1,4 @@
-// How right depth is where truth is known. Prints a line per view and one for all.
+// Accuracy of depth where truth is known. Prints a line per view and one for all.
 //   oraclegs demo-scene /tmp/demo && oraclegs depth /tmp/demo -o /tmp/out && build/release/bin/depth_truth_bench
 //   /tmp/out
 
@@ -63,7 +63,7 @@ void CompareAll(const fs::path& workspace) {
   const SavedRun saved = ReadSavedRun(workspace);
   const Scene scene = ReadScene(saved.scene, {}, Silent());
   SplitOptions options;
-  // The views that trained, whatever the options were.
+  // The views of the training split, whatever the options were.
   const std::string file = fmt::format("@{}", (workspace / "split.json").string());
   options.train_views = file;
   const Split split = SplitViews(scene, WithListsRead(options));

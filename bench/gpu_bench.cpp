@@ -1,4 +1,4 @@
-// What a GPU takes for training and for what comes before it. Only in builds with CUDA; needs a GPU.
+// Times of a GPU for training and for the stages before it. Only in builds with CUDA; needs a GPU.
 //
 //   build/cuda/bin/gpu_bench [--gaussians N] [--size WxH] [--scene FILE.ply --views transforms.json] [--passes N]
 //                            [--parts training,stereo,neighbors,warp] [--sh-moments full|half|compact] [--dump FOLDER]
@@ -83,12 +83,12 @@ Arguments Parse(const std::vector<std::string>& words) {
   return a;
 }
 
-/// What was measured so far.
+/// Results so far, for printing and saving.
 class Results {
  public:
   explicit Results(std::string path) : path_(std::move(path)) {}
 
-  /// Prints and saves at once: what comes next may break.
+  /// Prints and saves at once, since the next part may crash.
   void Add(const std::string& text, const nlohmann::json& values) {
     std::fputs(text.c_str(), stdout);
     std::fflush(stdout);

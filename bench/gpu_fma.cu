@@ -11,7 +11,8 @@ namespace {
 
 constexpr int kChains = 8, kRounds = 2048, kThreads = 256, kBlocks = 1024;
 
-/// x -> x / 2 + 1 tends to 2: never denormal. The store, which never happens, keeps the work from being left out.
+/// Iterates x -> x / 2 + 1, which tends to 2: never denormal. The store, which never happens, prevents elimination of
+/// the work.
 __global__ void FmaKernel(float* out) {
   float x[kChains];
 #pragma unroll

@@ -2,7 +2,7 @@
 
 namespace oraclegs {
 
-/// Flops a second of fused multiply-adds from registers, on all of the device; the median of eight.
+/// Measures flops per second of fused multiply-adds from registers on the whole device; the median of eight.
 double MeasureFmaRate();
 
 }  // namespace oraclegs

@@ -44,7 +44,7 @@ Camera OnArc(const WarpSize& size, double angle) {
   return CameraAt({kDistance * std::sin(angle), 0, -kDistance * std::cos(angle)}, {0, 0, 0}, size.width, size.height);
 }
 
-/// Any colors; depth of the plane.
+/// Source with random colors and the depth of the plane.
 std::pair<LoadedView, DepthMap> RandomSource(const Camera& camera, Rng* rng) {
   const size_t pixels = static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height);
   LoadedView view{"v", camera, {camera.width, camera.height, 3, std::vector<float>(3 * pixels)}, {}};
@@ -61,7 +61,7 @@ std::pair<LoadedView, DepthMap> RandomSource(const Camera& camera, Rng* rng) {
   return {std::move(view), std::move(map)};
 }
 
-/// Another search, and the seconds spent in it.
+/// Wrapper of a search that sums the seconds spent in it.
 class TimedSearch final : public PlaneSearch {
  public:
   explicit TimedSearch(PlaneSearch* search) : search_(*search) {}

@@ -1,5 +1,5 @@
 #pragma once
-// What a run asks a GPU for a few times only, before it trains, beside the same on the CPU.
+// GPU work that a run does only a few times before it trains, compared with the CPU.
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
@@ -9,29 +9,29 @@
 
 namespace oraclegs {
 
-/// Milliseconds; the GPU's the median of several, the CPU's of one.
+/// Times in milliseconds: the median of several runs on the GPU, one run on the CPU.
 struct OnBoth {
   double gpu = 0, cpu = 0;
 };
 
-/// The mean squared distance to the three nearest neighbors of random points.
+/// Times the mean squared distance to the three nearest neighbors of random points.
 OnBoth MeasureNeighbors(int64_t points, int passes);
 
-/// A view warped from `images` others of its size, holes filled (on the CPU) and all.
+/// Size of a warp from `images` others of the view's size, with holes filled (on the CPU).
 struct WarpSize {
   int images = 12;
   int width = 0, height = 0;  ///< pixels
 };
 OnBoth MeasureWarp(const WarpSize& size, int passes);
 
-/// Depth with the search on the GPU, seconds an image.
+/// Depth with the search on the GPU, seconds per image.
 struct GpuStereo {
-  double seconds = 0;         ///< with what the CPU does
-  double search_seconds = 0;  ///< of these, with the copies to and fro
+  double seconds = 0;         ///< whole stage, the CPU's part included
+  double search_seconds = 0;  ///< search alone, with copies to and from the GPU
 };
 
-/// Of images of a slanted, textured plane, each compared with five others, with the default options; the second of two
-/// runs, when memory has its size.
+/// Times stereo of images of a slanted, textured plane, each compared with five others, with the default options; the
+/// second of two runs, when memory has its size.
 GpuStereo MeasureStereo(int width, int height, PlaneSearch* search);
 
 /// A line of text, ended: "WHAT: 1.0 ms, on the CPU 20 ms".

@@ -1,5 +1,5 @@
 #pragma once
-// What gpu_bench trains on: Gaussians and the cameras that see them.
+// Gaussians and cameras that gpu_bench trains on.
 
 #include <filesystem>
 #include <vector>
@@ -17,7 +17,7 @@ struct GpuScene {
 /// Seeded Gaussians in front of three cameras side by side. Every pixel is opaque after some sixty Gaussians.
 GpuScene SyntheticScene(int64_t gaussians, int width, int height);
 
-/// A trained model, seen from the first three frames of a transforms.json, which need no images, at the size that has
+/// A trained model, seen from the first three frames of a transforms.json (images are not needed), at the size with
 /// about as many pixels. Throws InputError.
 GpuScene TrainedScene(const std::filesystem::path& ply, const std::filesystem::path& transforms, int64_t pixels);
 

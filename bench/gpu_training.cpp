@@ -20,7 +20,7 @@ constexpr int kIterations = 10'000'000;
 constexpr double kOpacityNoise = 0.5;  // what the pipeline chooses
 constexpr double kExtent = 1;
 
-/// Left and right swapped, values as 8-bit files hold them.
+/// The image with left and right swapped and values rounded as in 8-bit files.
 Buffer<float> Mirrored(const Buffer<float>& image) {
   const int64_t height = image.size(0), width = image.size(1);
   Buffer<float> mirrored = Buffer<float>::Empty(image.shape());

@@ -1,6 +1,6 @@
 #pragma once
-// Iterations as the trainer asks a GPU's TrainDevice for them: what gpu_bench times. On the tests' emulated device
-// everything runs too, and takes no time.
+// Iterations as the trainer asks them of a GPU's TrainDevice, for the times of gpu_bench. On the tests' emulated device
+// everything runs, too, and takes no time.
 
 #include <memory>
 
@@ -11,20 +11,20 @@
 
 namespace oraclegs {
 
-/// L1 + SSIM, regularizers, opacity noise, all SH coefficients, MCMC's noise; as late in a run as learning rates are
-/// smallest, with large second moments, so that every iteration works on the same state. No growth. The target of each
-/// view is the mirrored render of the first one.
+/// A training with L1 + SSIM, regularizers, opacity noise, all SH coefficients and MCMC's noise; at the end of the
+/// schedule, where learning rates are smallest, with large second moments, so that every iteration works on the same
+/// state. No growth. The target of each view is the mirrored render of the first one.
 class GpuTraining {
  public:
-  /// Errors as MakeCudaTrainDevice.
+  /// Throws as MakeCudaTrainDevice.
   GpuTraining(const GpuScene& scene, Device device, ShMoments sh_moments = ShMoments::kFull);
   GpuTraining(const GpuTraining&) = delete;  // the device knows the plan by its address
   GpuTraining& operator=(const GpuTraining&) = delete;
 
-  /// Medians over `passes` iterations of each kind.
+  /// Measures medians over `passes` iterations of each kind.
   GpuTimes Measure(int passes);
   GpuWork Work() const;
-  /// Of the rasterizer.
+  /// Bytes of the rasterizer's scratch memory.
   int64_t scratch_bytes() const;
 
  private:
@@ -44,7 +44,7 @@ class GpuTraining {
   int64_t number_;
 };
 
-/// Bytes a second of copying `bytes` from device memory to device memory, both ways counted; the median of eight.
+/// Measures bytes per second of copying `bytes` within device memory, reads and writes counted; the median of eight.
 double MeasureBandwidth(int64_t bytes);
 
 }  // namespace oraclegs

@@ -18,7 +18,7 @@ constexpr uint64_t kSeed = 1;
 constexpr int kNever = 10'000'000;  // iterations; the largest that the options take
 constexpr int kSyntheticViews = 3;
 
-/// Fills options from the JSON that a run saved; what it does not name keeps its default.
+/// Reads options from the JSON of a saved run; options that it lacks keep their defaults.
 struct SavedOptionReader {
   const nlohmann::json& saved;
 
@@ -30,7 +30,7 @@ struct SavedOptionReader {
   }
 };
 
-/// n of the Gaussians, in their order, drawn without replacement.
+/// Random choice of n Gaussians without replacement, in their order.
 Gaussians Thinned(const Gaussians& gaussians, int64_t n) {
   std::vector<int64_t> rows(gaussians.size());
   std::iota(rows.begin(), rows.end(), 0);

@@ -1,6 +1,5 @@
 #pragma once
-// What the stages are measured on: a seeded synthetic scene and trained runs, brought to any number of Gaussians and
-// pixels.
+// Inputs of the benchmarks: a seeded synthetic scene and trained runs, brought to any number of Gaussians and pixels.
 
 #include <array>
 #include <filesystem>
@@ -11,13 +10,13 @@
 
 namespace oraclegs {
 
-/// Where an input comes from.
+/// Origin of an input.
 struct InputSource {
   std::string name;
-  std::filesystem::path workspace;  ///< of a finished run; empty = the synthetic scene of tests/render/scenes.h
+  std::filesystem::path workspace;  ///< folder of a finished run; empty = the synthetic scene of tests/render/scenes.h
 };
 
-/// Views of another aspect keep it, at the nearest number of pixels.
+/// Size of an input. Views of another aspect keep it, at the nearest number of pixels.
 struct InputSize {
   int64_t gaussians = 0;
   int width = 0, height = 0;  ///< pixels
@@ -35,13 +34,13 @@ struct BenchInput {
 /// Throws InputError, UsageError.
 BenchInput MakeInput(const InputSource& source, const InputSize& size);
 
-/// A trainer that only ever iterates: no relocation and growth, all SH coefficients active. Second moments are so large
-/// that a step moves parameters by next to nothing, so that every iteration works on the same state but for MCMC's
-/// noise, which moves the faintest (fox, 100 000 Gaussians: 3 % fewer pairs after 60 iterations).
+/// Makes a trainer for steady iterations: no relocation and growth, all SH coefficients active. Second moments are so
+/// large that steps hardly move parameters, so that every iteration works on the same state; only MCMC's noise moves
+/// the faintest Gaussians (fox, 100 000 Gaussians: 3 % fewer pairs after 60 iterations).
 std::unique_ptr<Trainer> MakeSteadyTrainer(const BenchInput& input);
 
-/// The same, but it starts with ordinary moments and grows from the Gaussians it has to `max_gaussians` in its first
-/// iterations, 5 % each second one. Takes the input.
+/// Makes a trainer with ordinary moments that grows to `max_gaussians` in its first iterations, 5 % in each second one.
+/// Takes the input.
 std::unique_ptr<Trainer> MakeGrowingTrainer(BenchInput&& input, int64_t max_gaussians);
 
 /// Adam's moments of MakeSteadyTrainer.

@@ -1,12 +1,12 @@
-// What a training run holds at its largest.
+// Peak memory of a training run.
 
 #include "oraclegs/core/memory.h"
 #include "bench/benchmarks.h"
 
 namespace oraclegs {
 
-/// The last growth steps and iterations at the full count; everything that the process holds counts, images and
-/// libraries too.
+/// Measures the last growth steps and iterations at the full count; counts everything that the process holds, images
+/// and libraries included.
 void MeasureMemory(benchmark::State& state, const Case& c) {
   InputSize start = c.size;
   start.gaussians -= start.gaussians / 25;  // one growth step of 5 % is enough

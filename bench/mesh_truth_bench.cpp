@@ -1,4 +1,4 @@
-// How far a mesh is from the surfaces that it shows, where they are known. Prints a line.
+// Distance of a mesh from the known surfaces that it shows. Prints a line.
 //   scripts/demo.sh /tmp/demo && build/release/bin/oraclegs mesh /tmp/demo/run && build/release/bin/mesh_truth_bench
 //   /tmp/demo/run/mesh.ply
 

@@ -75,7 +75,7 @@ struct GrowthPoint {
   double bytes, seconds, peak;
 };
 
-/// Of this program, from which others take none.
+/// Processor seconds of this process alone, independent of other load.
 double ProcessorSeconds() {
   timespec time{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
@@ -101,7 +101,7 @@ GrowthPoint MeasureParser(const ParserInput& input, double bytes) {
   return point;
 }
 
-/// Slope of the logarithms by least squares, of the points that are above what constants cost; NaN with fewer than two.
+/// Least-squares slope of the logarithms, over the points above the constant costs; NaN with fewer than two.
 double ExponentOf(const std::vector<GrowthPoint>& points, double GrowthPoint::*value, double least) {
   double n = 0, x = 0, y = 0, xx = 0, xy = 0;
   for (const GrowthPoint& p : points) {

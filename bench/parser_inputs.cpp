@@ -37,7 +37,7 @@ namespace {
 namespace fs = std::filesystem;
 namespace torch = torch_bytes;
 
-/// A folder that the program leaves behind empty.
+/// A temporary folder, removed when the program ends.
 class BenchFolder {
  public:
   BenchFolder() : path_(fs::temp_directory_path() / ("parser_growth_" + std::to_string(getpid()))) {

@@ -10,7 +10,7 @@ namespace oraclegs {
 
 struct ParserInput {
   std::string parser, input;
-  std::function<std::string(size_t bytes)> make;      ///< a file of about so many bytes
+  std::function<std::string(size_t bytes)> make;      ///< a file of about that many bytes
   std::function<void(const std::string& file)> read;  ///< may throw Error
 };
 
@@ -18,7 +18,7 @@ std::vector<ParserInput> SplatInputs();
 std::vector<ParserInput> SceneInputs();
 std::vector<ParserInput> OtherInputs();
 
-/// Pieces with a running number, until they have so many bytes.
+/// Concatenated pieces with a running number, up to that many bytes.
 std::string Repeated(size_t bytes, const std::function<std::string(size_t index)>& piece);
 
 }  // namespace oraclegs

@@ -1,5 +1,4 @@
-// Every stage of a training iteration beside what the machine can do at most. bench/stages.py runs it and prints
-// tables.
+// Stages of a training iteration compared with the machine's limits. bench/stages.py runs it and prints tables.
 //
 //   build/release/bin/stage_bench [--workspace NAME=FOLDER ...] [--smoke] [Google Benchmark's options]
 //
@@ -73,7 +72,7 @@ void RegisterSmoke() {
   Register("memory", source, kSize, MeasureMemory);
 }
 
-/// Whether --smoke is among the options; removes it.
+/// Whether the options include --smoke, which is removed.
 bool ParseSmoke(int* argc, char** argv) {
   char** const end =
       std::remove_if(argv + 1, argv + *argc, [](const char* text) { return text == std::string("--smoke"); });
@@ -82,7 +81,7 @@ bool ParseSmoke(int* argc, char** argv) {
   return found;
 }
 
-/// Removes the --workspace options from of the command line. Throws UsageError.
+/// Removes the --workspace options from the command line and returns them. Throws UsageError.
 std::vector<InputSource> ParseSources(int* argc, char** argv) {
   std::vector<InputSource> sources{{"synthetic", {}}};
   const std::string option = "--workspace";

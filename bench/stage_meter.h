@@ -1,5 +1,5 @@
 #pragma once
-// The stages of a training iteration: how long they took, how much work they found, and how much they must do at least.
+// Stages of a training iteration: their times, amounts of work, and least possible work.
 
 #include <array>
 #include <vector>
@@ -15,7 +15,7 @@ inline constexpr std::array kStages{IterationStage::kProject, IterationStage::kB
                                     IterationStage::kLoss,    IterationStage::kBlendBackward, IterationStage::kUpdate};
 /// "project", "bin", ...
 const char* StageName(IterationStage stage);
-/// kBlend and kBlendBackward compute; the others move memory.
+/// Whether computation bounds the stage: kBlend and kBlendBackward; memory bounds the others.
 bool IsComputeBound(IterationStage stage);
 
 /// One iteration, or a mean or median of several.
@@ -30,21 +30,21 @@ struct IterationSample {
   double Milliseconds(IterationStage stage) const { return milliseconds[static_cast<size_t>(stage)]; }
 };
 
-/// One step of the trainer.
+/// Runs one step of the trainer and measures it.
 IterationSample TimedStep(Trainer* trainer);
 
 /// Medians, field by field.
 IterationSample MedianOf(const std::vector<IterationSample>& samples);
 
-/// What one iteration works on.
+/// Size of one iteration's input.
 struct IterationShape {
   double gaussians = 0, pixels = 0;
 };
 
-/// Floating-point operations (IsComputeBound) or bytes that the stage cannot do without.
+/// Least floating-point operations (IsComputeBound) or bytes of the stage.
 double LeastWork(IterationStage stage, const IterationShape& shape, const IterationSample& found);
 
-/// Least work per second as a share of the ceiling. Above 1 a memory-bound stage works from the caches.
+/// Least work per second as a fraction of the ceiling. Above 1 a memory-bound stage works from the caches.
 double ShareOfCeiling(IterationStage stage, const IterationShape& shape, const IterationSample& found,
                       const Ceilings& ceilings);
 

@@ -1,4 +1,4 @@
-// Blending on 1 thread and on all: how much faster, and the same bits.
+// Blending on 1 thread and on all: speedup, and equality of the bits.
 
 #include <cstring>
 #include <utility>

@@ -1,4 +1,4 @@
-// How long Depth Anything V2 takes for one image, and how much memory: full size, made-up weights, this machine.
+// Time and memory of Depth Anything V2 for one image: full size, made-up weights, this machine.
 //
 //   build/release/bin/depth_anything_bench [small|base|large] [WIDTH HEIGHT]
 

@@ -6,7 +6,7 @@
 
 namespace oraclegs {
 
-/// Made-up weights on the device and in the type in which they are used.
+/// Made-up weights on their device and in their type.
 class PlacedParameters : public ParameterSource {
  public:
   PlacedParameters(torch::Device device, torch::ScalarType type) : device_(device), type_(type), random_(1) {}
@@ -21,7 +21,7 @@ class PlacedParameters : public ParameterSource {
   RandomParameters random_;
 };
 
-/// Until all work on the device is done.
+/// Waits until all work on the device is done.
 inline void WaitFor(torch::Device device) {
   if (device.is_cuda()) torch::cuda::synchronize();
 }

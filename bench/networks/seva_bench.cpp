@@ -47,7 +47,7 @@ Settings Parse(const std::vector<std::string>& words) {
   return settings;
 }
 
-/// The fastest of three.
+/// Seconds of the fastest of three calls.
 template <class F>
 double Seconds(const Settings& settings, F&& f) {
   double fastest = 1e30;

@@ -1,5 +1,5 @@
-// What the parts of SEVA beside the UNet cost at their published size, with made-up weights: seconds and peak memory
-// of one call. One part a process, so that the peak is its own.
+// Cost of the parts of SEVA beside the UNet at their published size, with made-up weights: seconds and peak memory of
+// one call. One part per process, so that the peak is its own.
 //   build/release/bin/seva_parts_bench decode|tiled|encode|clip [WIDTH HEIGHT]
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// VGGT-1B with made-up weights on this machine: time of each part, and what the process holds at most.
+// Time of each part of VGGT-1B with made-up weights on this machine, and the peak memory of the process.
 //
 //   build/release/bin/vggt_bench [--views 4] [--width 518] [--height 350] [--device cpu|cuda]
 //
@@ -27,7 +27,7 @@ struct Size {
   torch::Device device = torch::kCPU;
 };
 
-/// Runs it and prints its name, its seconds and the peak of the process after it.
+/// Runs `body` and prints its name, its seconds and the peak memory of the process after it.
 template <class Body>
 auto Timed(const char* name, Body&& body) {
   const auto start = std::chrono::steady_clock::now();

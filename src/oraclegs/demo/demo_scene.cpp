@@ -40,7 +40,7 @@ RayCamera ArcCamera(int i, const DemoSceneOptions& options) {
   return camera;
 }
 
-/// Camera to world with OpenGL axes (x right, y up, z backward), as transforms.json has it.
+/// Camera-to-world matrix with OpenGL axes (x right, y up, z backward), as in transforms.json.
 nlohmann::json TransformMatrix(const RayCamera& c) {
   return {{c.right.x, -c.down.x, -c.forward.x, c.center.x},
           {c.right.y, -c.down.y, -c.forward.y, c.center.y},
@@ -58,8 +58,8 @@ bool IsFormerDemoScene(const fs::path& dir) {
   }
 }
 
-/// Takes over an empty folder or a former demo scene. The images and depth maps of a former one are removed, since it
-/// may have had more views; anything else in the folder stays.
+/// Claims an empty folder or a former demo scene. Images and depth maps of a former one are removed, since it may have
+/// had more views; anything else in the folder stays.
 void ClaimFolder(const fs::path& dir, const DemoSceneOptions& options) {
   std::error_code error;
   const bool exists = fs::exists(dir, error);
@@ -99,7 +99,7 @@ void WriteDemoScene(const fs::path& dir, const DemoSceneOptions& options, const 
         {{"file_path", image}, {"depth_file_path", depth}, {"transform_matrix", TransformMatrix(camera)}});
     listener(StepDone{kStage, i + 1, options.views, "views", ""});
   }
-  // Last, so that a folder with this file is a whole scene.
+  // Written last, so that a folder with this file is a complete scene.
   WriteFileAtomically(dir / "transforms.json", scene.dump(1) + "\n");
   listener(FileWritten{dir / "transforms.json"});
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;

@@ -1,5 +1,5 @@
 #pragma once
-// A small ray-traced scene with known truth: what the demo and the end-to-end tests reconstruct.
+// A small ray-traced scene with known truth, for the demo and the end-to-end tests.
 
 #include <filesystem>
 
@@ -26,8 +26,8 @@ struct DemoSceneOptions {
 /// Ray-traces textured objects in a room, with soft shadows, occlusions and one mirror ball, and writes
 /// dir/transforms.json (OpenGL axes, z up, the floor at z = 0), dir/images/NNN.png, dir/depth/NNN.png (16-bit depth
 /// along the optical axis at the pixel's center, in 1/1000 scene unit, 0 = none) and dir/demo_scene.json (the options).
-/// The same bytes on every machine and for any number of threads. Throws RunError when `dir` cannot be written or is
-/// neither empty nor a former demo scene; of a former one only its numbered images are replaced.
+/// Writes the same bytes on every machine and for any number of threads. Throws RunError when `dir` cannot be written
+/// or is neither empty nor a former demo scene; of a former one only its numbered images are replaced.
 void WriteDemoScene(const std::filesystem::path& dir, const DemoSceneOptions& options, const Listener& listener);
 
 }  // namespace oraclegs

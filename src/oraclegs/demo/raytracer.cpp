@@ -61,7 +61,7 @@ class Tracer {
     for (int s = 0; s < samples_ * samples_; ++s) {
       const Jitter jitter = JitterOf(x, y, s);
       const Vec3 color = Radiance(CameraRay(x + jitter.pixel_x, y + jitter.pixel_y), jitter, 1);
-      // Tone-mapped before averaging: one very bright ray shall not leave a jagged edge.
+      // Tone-mapped before averaging, so that one very bright ray leaves no jagged edge.
       sum = sum + Vec3{ToneMap(color.x), ToneMap(color.y), ToneMap(color.z)};
     }
     return sum * (1.0 / (samples_ * samples_));

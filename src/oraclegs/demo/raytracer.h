@@ -31,7 +31,8 @@ struct RayTracedView {
   std::vector<uint16_t> depth;  ///< z along the optical axis at the pixel's center, 1/1000 scene unit; 0 = none
 };
 
-/// Traces samples x samples rays a pixel. `view` picks the random numbers. The same bytes for any number of threads.
+/// Traces samples x samples rays a pixel. `view` selects the random numbers. The result does not depend on the number
+/// of threads.
 RayTracedView TraceView(const std::vector<SceneObject>& objects, const RayCamera& camera, int samples, int view);
 
 }  // namespace oraclegs

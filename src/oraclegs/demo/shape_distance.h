@@ -1,5 +1,5 @@
 #pragma once
-// How far a point is from the surfaces of the demo scene: truth for what is reconstructed from its images.
+// Distance of a point from the surfaces of the demo scene: the truth for reconstructions of its images.
 
 #include <vector>
 
@@ -10,7 +10,7 @@ namespace oraclegs {
 /// The exact distance of a point (world) to the surface of a solid, from either side.
 double DistanceToSurface(const Solid& shape, const Vec3& point);
 
-/// The distance to the nearest surface of any of them.
+/// The distance to the nearest surface of the objects.
 double DistanceToScene(const std::vector<SceneObject>& objects, const Vec3& point);
 
 }  // namespace oraclegs

@@ -34,7 +34,7 @@ Solid MakeSolid(ShapeKind kind, const Vec3& size, const Vec3& center, double yaw
 struct ShapeHit {
   double t = 0;       ///< distance along the ray
   Vec3 normal;        ///< world, unit length, against the ray
-  Vec3 local;         ///< the point in the shape's frame: what textures are painted on
+  Vec3 local;         ///< the point in the shape's frame, in which textures are defined
   Vec3 local_normal;  ///< the outward normal in that frame
 };
 

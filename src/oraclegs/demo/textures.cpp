@@ -7,7 +7,7 @@
 namespace oraclegs {
 namespace {
 
-/// The cell of a lattice that a coordinate falls into, and where in it.
+/// Lattice cell of a coordinate, and the position within it.
 struct Cell {
   int64_t index;
   double at;  ///< [0, 1)

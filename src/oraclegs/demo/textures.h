@@ -16,7 +16,7 @@ enum class Texture {
   kCandy,   ///< speckled cells
   kTiles,   ///< bands of tiles around z
   kDonut,   ///< dough, icing, sprinkles
-  kGlaze,   ///< what shows through the mirror ball
+  kGlaze,   ///< color of the mirror ball under its reflection
 };
 
 /// Linear RGB albedo in [0, 1] of a point in its shape's frame. `normal` is the outward normal there, `size` the
@@ -27,7 +27,7 @@ Vec3 Albedo(Texture texture, const Vec3& point, const Vec3& normal, const Vec3& 
 double LatticeNoise(int64_t x, int64_t y, int64_t z, uint32_t seed);
 /// Smooth noise in [0, 1) with one lump per unit.
 double ValueNoise(const Vec3& p, uint32_t seed);
-/// `octaves` of it, each twice as fine and half as strong, in [0, 1).
+/// Sum of `octaves` of ValueNoise, each twice as fine and half as strong, in [0, 1).
 double FractalNoise(const Vec3& p, int octaves, uint32_t seed);
 
 }  // namespace oraclegs

@@ -1,6 +1,6 @@
 #pragma once
 // Three doubles with a fixed order of operations. Eigen may reorder a sum from one version to the next, and the demo
-// scene promises the same bytes on every machine; so does everything here that stands in for a function of libm.
+// scene promises the same bytes on every machine; functions here that replace libm's keep that promise, too.
 
 #include <cmath>
 

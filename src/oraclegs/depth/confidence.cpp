@@ -31,7 +31,7 @@ struct OtherView {
   Eigen::Vector3f center;  ///< in the frame of the view whose confidence is computed
 };
 
-/// Views that look another way share nothing: the angle is between the rays to the point, checked there.
+/// All other views. Views that look another way are left out later, by the angle between the rays to each point.
 std::vector<OtherView> Others(const StereoScene& scene, size_t view, const std::vector<PlaneMap>& maps) {
   std::vector<OtherView> others;
   const Camera& camera = scene.views[view].camera;
@@ -69,7 +69,7 @@ float ConfidenceOf(const Camera& camera, const std::vector<OtherView>& others, c
          std::exp(-kViolationRate * static_cast<float>(violations));
 }
 
-/// Damps pixels far from the median of their surroundings.
+/// Damps the confidence of pixels far from the median of their surroundings.
 void DampOutliers(const PlaneMap& map, std::vector<float>* confidence) {
   const std::vector<float> before = *confidence;
   ParallelFor(map.height, [&](int64_t row) {
@@ -89,7 +89,7 @@ void DampOutliers(const PlaneMap& map, std::vector<float>* confidence) {
   });
 }
 
-/// Damps connected pieces of one surface that are too small to be one.
+/// Damps the confidence of connected pieces too small to be a surface.
 void DampIslands(const PlaneMap& map, std::vector<float>* confidence) {
   const int width = map.width, height = map.height;
   std::vector<uint8_t> visited(confidence->size(), 0);

@@ -33,7 +33,7 @@ std::string Stem(const std::string& name) {
   return stem;
 }
 
-/// Names of the files of views; those that would collide ("a/b.jpg", "a_b.png") get their number, too.
+/// File names of the views without extension; names that would collide ("a/b.jpg", "a_b.png") get their number, too.
 std::vector<std::string> FileStems(const std::vector<std::string>& names) {
   std::map<std::string, int> uses;
   for (const std::string& name : names) ++uses[Stem(name)];
@@ -73,7 +73,7 @@ Image8 ConfidenceImage(const DepthMap& map) {
   return image;
 }
 
-/// Inverse depths that confident pixels span, without the outermost percent.
+/// Range of the inverse depths of confident pixels, without the outermost percent.
 std::pair<float, float> InverseDepthSpan(const DepthMap& map) {
   std::vector<float> values;
   for (size_t i = 0; i < map.size(); ++i) {
@@ -99,7 +99,8 @@ Image8 Preview(const DepthMap& map) {
   return image;
 }
 
-/// The largest inverse depth that is stored as known: an outlier in front must not cost all others their precision.
+/// The largest inverse depth that is stored as known, so that one outlier in front does not cost all others their
+/// precision.
 float LargestStored(const DepthMap& map) {
   float largest = 0;
   for (size_t i = 0; i < map.size(); ++i) {
@@ -126,7 +127,7 @@ nlohmann::json ReadParams(const fs::path& path) {
   }
 }
 
-/// An inverse depth of the file, in 1 / unit.
+/// Reads an inverse depth from the file, in 1 / unit.
 float Number(const nlohmann::json& params, const std::string& stem, const char* key, double unit,
              const fs::path& path) {
   const auto found = params.is_object() ? params.find(stem) : params.end();
@@ -143,7 +144,7 @@ void RequireSize(const fs::path& path, int width, int height, const Camera& came
                    height, camera.width, camera.height);
 }
 
-/// Where the images of a map lie.
+/// Folders of a map's images.
 constexpr std::array kFolders = {"", "confidence", "normals", "preview"};
 
 void WriteImage(const fs::path& path, const DepthMap& map, float scale, size_t folder) {
@@ -201,7 +202,7 @@ std::vector<std::string> WriteDepthMaps(const fs::path& dir, const std::vector<D
     if (maps[v].monocular) params[stems[v]]["monocular"] = true;
     for (const char* folder : kFolders) files.push_back((fs::path(folder) / (stems[v] + ".png")).string());
   }
-  // A file is a task: packing them takes longest.
+  // One task per file: compression takes longest.
   ParallelFor(static_cast<int64_t>(files.size()), [&](int64_t task) {
     const auto file = static_cast<size_t>(task), v = file / kFolders.size();
     WriteImage(dir / files[file], maps[v], scales[v], file % kFolders.size());

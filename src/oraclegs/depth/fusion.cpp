@@ -15,7 +15,7 @@ constexpr float kSameSide = 0.2f;     // cosine between normals
 constexpr float kDetailRange = 0.1f;  // change of luma over two pixels that counts as full detail
 constexpr float kFlatShare = 0.1f;    // of the draws where nothing changes
 
-/// How much luma changes over two pixels, relative to kDetailRange, at most 1.
+/// Change of luma over two pixels, relative to kDetailRange, at most 1.
 std::vector<float> DetailOf(const ImageF& rgb) {
   const int width = rgb.width, height = rgb.height;
   const auto luma = [&](int x, int y) {
@@ -55,7 +55,7 @@ class Fusion {
   struct Pixel {
     size_t view, index;
   };
-  /// Points, and the pixels that they claim.
+  /// Points and the pixels that they claim.
   struct Made {
     std::vector<DensePoint> points;
     std::vector<Pixel> pixels;
@@ -111,8 +111,8 @@ class Fusion {
     made->points.push_back(point);
   }
 
-  /// Rows are processed in parallel and claim their pixels one after the other: a pixel that two points use is in both
-  /// means, but makes no third point.
+  /// Adds the points of a view. Rows are processed in parallel and claim their pixels in order: a pixel that two points
+  /// use is in both means, but makes no third point.
   void AddPointsOf(size_t view, std::vector<DensePoint>* points) {
     const DepthMap& map = maps_[view];
     std::vector<PixelMap> there, back;

@@ -15,7 +15,7 @@ constexpr size_t kMinCommonPixels = 50;                // of a pair
 constexpr float kDarkest = 0.08f, kBrightest = 0.92f;  // beyond, noise and saturation dominate
 constexpr double kGainRidge = 1e-3;                    // regularization toward gain 1, in shares of a pair's weight
 
-/// Median log ratios of one pair, and how many pixels they come from.
+/// Median log ratios of one pair, and the number of pixels behind them.
 struct Ratio {
   Eigen::Vector3d log = Eigen::Vector3d::Zero();
   size_t pixels = 0;
@@ -28,7 +28,7 @@ bool IsUsable(const float* rgb) {
   return true;
 }
 
-/// Of view a over view b.
+/// Color ratios of view a over view b.
 Ratio Compare(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& views, size_t a, size_t b) {
   const PixelMap there = MapBetween(maps[a].camera, maps[b].camera), back = MapBetween(maps[b].camera, maps[a].camera);
   std::vector<double> logs[3];

@@ -19,7 +19,7 @@ struct GatherImage {
   }
 };
 
-/// Every channel of `image`, values in [0, 1] rounded to 8 bits.
+/// Packs every channel of `image`, whose values in [0, 1] are rounded to 8 bits.
 GatherImage Pack(const ImageF& image);
 
 /// Rec. 601 luma of an RGB image, one channel.

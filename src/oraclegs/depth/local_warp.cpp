@@ -11,8 +11,8 @@
 namespace oraclegs {
 namespace {
 
-// Relative errors that quarter a sample's weight, from round to round: first nearly all samples contribute, at the end
-// those that fit.
+// Relative errors that quarter a sample's weight, by round: at first nearly all samples contribute, in the end those
+// that fit.
 constexpr std::array<double, 6> kErrorScales = {0.8, 0.4, 0.2, 0.1, 0.06, 0.06};
 constexpr double kFactorRidge = 1e-3;  // keeps factor and addend apart where they have the same effect
 constexpr float kFarShare = 0.1f;      // of the median: smaller truths count like this one
@@ -57,7 +57,7 @@ LocalWarp::LocalWarp(int width, int height, const std::vector<DepthSample>& samp
     Eigen::MatrixXd normal = smooth;
     Eigen::VectorXd right = Eigen::VectorXd::Zero(2 * n);
     for (const DepthSample& s : samples) {
-      // Relative to the truth: how the depth's logarithm is off.
+      // Errors are relative to the true value, so they are errors of the depth's logarithm.
       const double unit = 1 / static_cast<double>(std::max(s.truth, kFarShare * median));
       const double derivatives[2] = {unit * static_cast<double>(s.inv_depth), unit * static_cast<double>(median)};
       const double off = unit * (static_cast<double>(s.truth) - static_cast<double>(s.inv_depth));
@@ -69,7 +69,7 @@ LocalWarp::LocalWarp(int width, int height, const std::vector<DepthSample>& samp
             static_cast<double>(at.share[k]) * (derivatives[0] * solution[node] + derivatives[1] * solution[n + node]);
       }
       const double doubt = 1 + left * left / (scale * scale);
-      // Every node has the weight of one sample on average, however many pixels there are.
+      // Every node has the weight of one sample on average, whatever the number of pixels.
       const double w = static_cast<double>(s.weight) * static_cast<double>(nodes) / weights / (doubt * doubt);
       for (int k = 0; k < 8; ++k) {
         const auto i = static_cast<Eigen::Index>(at.node[k % 4]) + (k < 4 ? 0 : n);

@@ -1,6 +1,7 @@
 #pragma once
-// One scale and offset for a whole image leave a network's depth wrong by tens of percent in places. Known depths
-// correct it: by a scale and an offset that vary slowly over the image (docs/method.md#depth-alignment).
+// Local correction of a network's depth. With one scale and offset for a whole image it is wrong by tens of percent in
+// places; known depths correct it by a scale and an offset that vary slowly over the image
+// (docs/method.md#depth-alignment).
 
 #include <cstddef>
 #include <vector>
@@ -16,17 +17,16 @@ struct DepthSample {
 };
 
 struct LocalWarpOptions {
-  int cells = 16;            ///< along the image's larger side
+  int cells = 16;            ///< grid cells along the image's larger side
   double smoothness = 0.03;  ///< weight of a change from node to node, relative to that of an equal relative error
 };
 
 /// inverse depth -> (1 + a) * inverse depth + b, with a and b bilinear between the nodes of a coarse grid.
 class LocalWarp {
  public:
-  /// The grid that brings the samples nearest to their truth: least squares of relative errors, in which samples that
-  /// stay far off are down-weighted, and of the changes between neighboring nodes. Where there are no samples the
-  /// nodes continue their neighbors, a little weaker with each. The identity when there is no sample. The image is
-  /// width x height pixels.
+  /// Fits the grid to the samples by least squares: of their relative errors, with outliers down-weighted, and of the
+  /// changes between neighboring nodes. Nodes without samples continue their neighbors, a little weaker with each.
+  /// Without any sample the identity. The image is width x height pixels.
   LocalWarp(int width, int height, const std::vector<DepthSample>& samples, const LocalWarpOptions& options = {});
 
   float operator()(float x, float y, float inv_depth) const;

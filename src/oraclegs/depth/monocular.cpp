@@ -23,7 +23,7 @@ Eigen::Vector2f CenterOf(const Camera& camera, size_t i) {
   return {static_cast<float>(i % width) + 0.5f, static_cast<float>(i / width) + 0.5f};
 }
 
-/// At most `most` of the confident pixels, evenly by index.
+/// At most `most` confident pixels, evenly by index.
 std::vector<size_t> ConfidentPixels(const DepthMap& map, size_t most) {
   std::vector<size_t> all, some;
   for (size_t i = 0; i < map.size(); ++i) {
@@ -46,7 +46,7 @@ double ShareRight(const RelativeDepth& relative, const Alignment& alignment, con
   return all == 0 ? 0 : static_cast<double>(right) / all;
 }
 
-/// The correction of an aligned map by stereo, and how often it is right on held-out samples.
+/// Correction of an aligned map by stereo, and the fraction of held-out samples on which it is right.
 struct Correction {
   LocalWarp warp;
   double right = 0;
@@ -61,7 +61,7 @@ Correction CorrectionFor(const DepthMap& stereo, const std::vector<float>& align
     const Eigen::Vector2f at = CenterOf(stereo.camera, i);
     const DepthSample sample{at.x(), at.y(), aligned[i], stereo.inv_depth[i], stereo.confidence[i]};
     const int column = static_cast<int>(at.x()) / cell, row = static_cast<int>(at.y()) / cell;
-    // One cell in four, none of which touch.
+    // Every fourth cell, none of which touch.
     const bool is_held_out = column % 2 == 1 && row % 2 == 1;
     (is_held_out ? held_out : fitted).push_back(sample);
     all.push_back(sample);
@@ -82,7 +82,7 @@ std::vector<float> Aligned(const RelativeDepth& relative, const Alignment& align
   return out;
 }
 
-/// The normal from the inverse depths beside a pixel.
+/// Normal from the inverse depths beside a pixel.
 Eigen::Vector3f NormalAt(const Camera& camera, const std::vector<float>& inv_depth, size_t i) {
   const auto width = static_cast<size_t>(camera.width);
   const size_t x = i % width, y = i / width, last_row = static_cast<size_t>(camera.height) - 1;
@@ -95,7 +95,7 @@ Eigen::Vector3f NormalAt(const Camera& camera, const std::vector<float>& inv_dep
   return NormalOf(camera, plane, at.x(), at.y());
 }
 
-/// Writes the guess where `out` is not confident and the guess is possible.
+/// Writes `guess` where `out` is not confident and the guess is allowed.
 void Fill(const std::vector<float>& guess, float nearest, float confidence, const AllowedPixels& allowed,
           DepthMap* out) {
   out->monocular = true;

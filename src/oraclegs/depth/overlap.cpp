@@ -21,7 +21,7 @@ bool IsSeenFrom(const Camera& other, const Eigen::Vector3d& point, const Eigen::
   return cosine < kMinAngleCosine && cosine > kMaxAngleCosine;
 }
 
-/// Stands for what is unknown; 0 when all is.
+/// Median known inverse depth, which stands for unknown ones; 0 when all are unknown.
 float MedianInvDepth(const DepthMap& map) {
   std::vector<float> known;
   for (const float inv_depth : map.inv_depth) {

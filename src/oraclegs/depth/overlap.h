@@ -1,5 +1,5 @@
 #pragma once
-// How much of the views other views see, and how much of that became depth.
+// Overlap of the views, and how much of it became depth.
 
 #include <vector>
 
@@ -9,14 +9,14 @@
 
 namespace oraclegs {
 
-/// Shares of the pixels of all views that are neither masked nor plain background.
+/// Fractions over the pixels of all views that are neither masked nor plain background.
 struct Overlap {
-  double seen = 0;       ///< whose point another view has in frame, from at most 75 degrees aside
-  double confident = 0;  ///< of those that are seen so
+  double seen = 0;  ///< pixels whose point another view has in frame, at most 75 degrees aside, as a fraction of all
+  double confident = 0;  ///< confident pixels as a fraction of the seen ones
 };
 
-/// Takes every eighth pixel, at the depth that its map has there, right or wrong, or else at the map's median. `views`
-/// and `silhouettes` belong to `maps`.
+/// Measures every eighth pixel, at its depth in its map, right or wrong, or else at the map's median. `views` and
+/// `silhouettes` correspond to `maps`.
 Overlap MeasureOverlap(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& views,
                        const Silhouettes& silhouettes);
 

@@ -121,7 +121,7 @@ PatchOffsets MakeOffsets() {
   return offsets;
 }
 
-/// exp(-d^2 / (2 sigma^2)) for every 8-bit difference and every offset.
+/// Values exp(-d^2 / (2 sigma^2)) for every 8-bit difference and every offset.
 struct BilateralTables {
   std::array<float, 256> value;
   std::array<float, kPatchSamples> distance;

@@ -1,5 +1,5 @@
 #pragma once
-// How well a patch of one image fits another, the inner loop of stereo (docs/method.md#stereo).
+// Dissimilarity of a patch of one image and another image, the inner loop of stereo (docs/method.md#stereo).
 
 #include <array>
 #include <cstdint>
@@ -19,7 +19,7 @@ struct PatchOffsets {
 };
 const PatchOffsets& Offsets();
 
-/// A pixel's surroundings in the reference view, with bilateral weights: by similarity to the pixel and by distance.
+/// A pixel's surroundings in the reference view, weighed by similarity to the pixel and by distance.
 struct Patch {
   float u = 0, v = 0;                                         ///< the pixel's center
   alignas(64) float weight[kPatchSlots] = {};                 ///< sum 1, zero in the padding
@@ -36,17 +36,17 @@ struct PatchSource {
   PixelMap map;                        ///< from the reference view
 };
 
-/// Every plane is compared in every active source.
+/// Planes and sources to compare: every plane in every active source.
 struct PatchHypotheses {
   std::span<const PatchSource> sources;
-  const uint8_t* active = nullptr;  ///< of each source: 0 = not compared
-  std::span<const Plane> planes;    ///< their inverse depth is at the patch's center
+  const uint8_t* active = nullptr;  ///< for each source: 0 = not compared
+  std::span<const Plane> planes;    ///< inverse depth at the patch's center
 };
 
-/// costs[p * sources.size() + s] = 1 - ZNCC, in [0, 2], of the patch on planes[p] in sources[s]. The correlation runs
-/// over all channels at once; a constant in the denominator keeps noise in flat patches from correlating. kWorstCost
-/// where the plane takes the center out of the image or part of the patch behind the camera, and for sources that are
-/// not active.
+/// Computes costs[p * sources.size() + s] = 1 - ZNCC, in [0, 2], of the patch on planes[p] in sources[s]. The
+/// correlation runs over all channels at once; a constant in the denominator keeps noise in flat patches from
+/// correlating. kWorstCost where the plane takes the center out of the image or part of the patch behind the camera,
+/// and for inactive sources.
 void PatchCosts(const Patch& patch, const PatchHypotheses& hypotheses, float* costs);
 
 }  // namespace oraclegs

@@ -27,41 +27,41 @@ inline KnownPlanes Known(const PlaneMap& map) { return {map.planes.data(), map.w
 struct StereoView {
   Camera camera;
   GatherImage image;
-  std::vector<uint8_t> usable;  ///< height * width, 1 = used; empty = all
+  std::vector<uint8_t> usable;  ///< height * width, 1 = used; empty = all used
   DepthRange range;
   std::vector<int> neighbors;  ///< source views, indices
 };
 
-/// What a pass over one view reads and never changes.
+/// Inputs of a pass over one view, which it never changes.
 struct StereoScene {
   std::vector<StereoView> views;
   const Silhouettes* silhouettes = nullptr;  ///< may be null or empty; of images `silhouette_scale` times as large
   float silhouette_scale = 1;
 };
 
-/// Random planes within the range; a pixel whose inverse depth is known (`hints`, height * width, 0 = unknown, may be
+/// Random planes within the range. A pixel whose inverse depth is known (`hints`, height * width, 0 = unknown, may be
 /// empty) starts there, facing the camera. Costs are kWorstCost.
 PlaneMap RandomPlanes(const StereoScene& scene, size_t view, const std::vector<float>& hints);
 
-/// Carries a map to another resolution of the same view.
+/// Resamples a map to another resolution of the same view.
 PlaneMap Resized(const PlaneMap& map, int width, int height);
 
 struct PassOptions {
   int iterations = 3;
-  int pass = 0;  ///< number of the pass; no two of a view share their random numbers
-  /// The maps of all views as the pass before left them, for the geometric term; null = photometric only.
+  int pass = 0;  ///< number of the pass, unique per view, as it selects the random numbers
+  /// Maps of all views after the pass before, for the geometric term; null = photometric only.
   const std::vector<PlaneMap>* geometry = nullptr;
   bool local = false;  ///< as SearchPass::local
 };
 
-/// What the search reads of a view on any device, except for its pass and its pointers to the scene and the maps, which
+/// Inputs of the search of a view on any device, except for its pass and its pointers to the scene and the maps, which
 /// are null. At most kMaxSources neighbors are used.
 SearchView SearchOf(const StereoScene& scene, size_t view);
-/// The silhouettes of all other views with the way there from this view, in the memory of the scene; none without an
+/// Silhouettes of all other views with the map there from this view, in the memory of the scene; empty without an
 /// object.
 std::vector<SearchSilhouette> SilhouettesFor(const StereoScene& scene, size_t view);
 
-/// Improves the map of one view in place, on all threads. The same bits for any number of threads.
+/// Improves the map of one view in place, on all threads. The result does not depend on the number of threads.
 void RunPass(const StereoScene& scene, size_t view, const PassOptions& options, PlaneMap* map);
 
 }  // namespace oraclegs

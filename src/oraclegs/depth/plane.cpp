@@ -27,7 +27,7 @@ PlainPixelMap Plain(const PixelMap& map) {
 }
 
 Eigen::Vector3f NormalOf(const Camera& camera, const Plane& plane, float u, float v) {
-  // n'X = d is 1/z = (n/d)' K^-1 (u, v, 1), hence n/d = K' (dx, dy, inverse depth at the pixel (0, 0)'s corner).
+  // n'X = d means 1/z = (n/d)' K^-1 (u, v, 1), hence n/d = K' (dx, dy, inverse depth at the pixel (0, 0)'s corner).
   const float at_axis = plane.At(static_cast<float>(camera.cx) - u, static_cast<float>(camera.cy) - v);
   const Eigen::Vector3f away(plane.dx * static_cast<float>(camera.fx), plane.dy * static_cast<float>(camera.fy),
                              at_axis);

@@ -1,5 +1,5 @@
 #pragma once
-// Plane hypotheses of stereo, and how they map pixels from one view to another.
+// Plane hypotheses of stereo, and their maps of pixels from one view to another.
 
 #include <Eigen/Core>
 
@@ -8,9 +8,9 @@
 
 namespace oraclegs {
 
-/// Pixel coordinates of one view to another's: the point at (u, v) with inverse depth w projects to the homogeneous
-/// pixel rotation * (u, v, 1) + translation * w, both in the frame whose pixel (0,0) has its center at (0.5, 0.5). The
-/// third coordinate is the depth in the other view divided by the depth in this one.
+/// Map from pixel coordinates of one view to another's: the point at (u, v) with inverse depth w projects to the
+/// homogeneous pixel rotation * (u, v, 1) + translation * w, both in the frame whose pixel (0,0) has its center at
+/// (0.5, 0.5). The third coordinate is the depth in the other view divided by the depth in this one.
 struct PixelMap {
   Eigen::Matrix3f rotation = Eigen::Matrix3f::Identity();
   Eigen::Vector3f translation = Eigen::Vector3f::Zero();
@@ -29,7 +29,7 @@ inline Eigen::Vector3f RayOf(const Camera& camera, float u, float v) {
           (v - static_cast<float>(camera.cy)) / static_cast<float>(camera.fy), 1.f};
 }
 
-/// Unit normal in the camera's frame, towards the camera, of a plane at the pixel (u, v).
+/// Unit normal in the camera's frame, toward the camera, of a plane at the pixel (u, v).
 Eigen::Vector3f NormalOf(const Camera& camera, const Plane& plane, float u, float v);
 
 }  // namespace oraclegs

@@ -40,11 +40,11 @@ class PlaneFill {
   }
 
  private:
-  /// Which plane each cell of an image continues.
+  /// The plane that each cell of an image continues.
   struct CellPlanes {
     int size = 1, across = 0;         ///< pixels; cells
-    std::vector<int> plane;           ///< of each cell, kNoPlane = none
-    float nearest = 0, farthest = 0;  ///< inverse depth between which planes are continued
+    std::vector<int> plane;           ///< plane of each cell, kNoPlane = none
+    float nearest = 0, farthest = 0;  ///< range of inverse depth in which planes are continued
 
     int At(int x, int y) const { return plane[static_cast<size_t>(y / size) * across + x / size]; }
   };
@@ -54,7 +54,7 @@ class PlaneFill {
            (silhouettes_.empty() || silhouettes_.Object(v)[i] != 0);
   }
 
-  /// Inverse depth at which the ray of a pixel meets the plane; not positive where it does not.
+  /// Inverse depth at which a pixel's ray meets the plane; not positive where it does not.
   float Meet(const Eigen::Vector4f& in_camera, const Camera& camera, size_t i) const {
     const auto width = static_cast<size_t>(camera.width);
     const Eigen::Vector3f ray =
@@ -80,8 +80,8 @@ class PlaneFill {
     return best;
   }
 
-  /// A square of an image: how many of its known pixels lie on each plane, and the mean color of them and of the
-  /// others.
+  /// A square of an image: the number of its known pixels on each plane, and the mean colors of its known and of its
+  /// unknown pixels.
   struct Cell {
     std::vector<float> on_plane;
     float known = 0, unknown = 0;  ///< pixels
@@ -92,8 +92,8 @@ class PlaneFill {
     return std::exp(-(a - b).squaredNorm() / (6 * kColorDeviation * kColorDeviation));
   }
 
-  /// The plane on which most of the known pixels around a cell lie that have its color, in the smallest window where
-  /// there are enough; none where most of them lie on no plane or on others.
+  /// The plane of most known pixels of a cell's color around it, in the smallest window with enough of them; kNoPlane
+  /// where most of these are on no plane or on several.
   static int PlaneAround(const std::vector<Cell>& grid, const CellPlanes& cells, int x, int y, size_t planes) {
     const int down = static_cast<int>(grid.size()) / cells.across;
     const Cell& cell = grid[static_cast<size_t>(y) * cells.across + x];
@@ -172,9 +172,9 @@ class PlaneFill {
     return options_.gains.empty() ? sum : sum.cwiseQuotient(options_.gains[v]).cwiseMin(1.f).eval();
   }
 
-  /// True when of the views that have the place in frame one shows the same color there, none sees through it, and no
-  /// earlier one has filled the pixel it falls on, at any depth: otherwise a second extrapolation, behind the first,
-  /// paints a lawn twice.
+  /// Whether one of the views with the place in frame shows the same color there, none sees through it, and no earlier
+  /// view has filled the pixel it falls on, at any depth. Without the last condition a second extrapolation, behind the
+  /// first, would paint a lawn twice.
   bool IsConsistent(size_t v, const Eigen::Vector3f& xyz, const Eigen::Vector3f& color) const {
     bool seen = false, similar = false;
     for (size_t other = 0; other < maps_.size(); ++other) {

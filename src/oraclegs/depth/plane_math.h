@@ -1,5 +1,5 @@
 #pragma once
-// Planes and the maps between views in plain numbers, for host and device. plane.h has them with Eigen.
+// Planes and the maps between views as plain numbers, for host and device. plane.h has them with Eigen.
 
 #include <cmath>
 #include <cstdint>
@@ -8,11 +8,11 @@
 
 namespace oraclegs {
 
-/// A surface patch seen from one camera: its inverse depth at a pixel's center and how that changes over the image. A
-/// plane in space is exactly linear in inverse depth over the image, so the homography it induces needs no normal.
+/// A surface patch seen from one camera: its inverse depth at a pixel's center and its change over the image. A plane
+/// in space is exactly linear in inverse depth over the image, so the homography it induces needs no normal.
 struct Plane {
   float inv_depth = 0;   ///< 1/z, 1/world unit
-  float dx = 0, dy = 0;  ///< per pixel to the right, downwards
+  float dx = 0, dy = 0;  ///< change per pixel to the right, downward
 
   /// Inverse depth `x` pixels to the right and `y` down.
   ORACLEGS_HD inline float At(float x, float y) const { return inv_depth + dx * x + dy * y; }
@@ -21,7 +21,7 @@ struct Plane {
 struct Vec3f {
   float x = 0, y = 0, z = 0;
 };
-/// Added in Eigen's order.
+/// Dot product, added in Eigen's order.
 ORACLEGS_HD inline float Dot(const Vec3f& a, const Vec3f& b) { return a.x * b.x + (a.y * b.y + a.z * b.z); }
 
 /// A PixelMap (plane.h): pixel (u, v) with inverse depth w goes to the homogeneous pixel
@@ -42,12 +42,11 @@ struct KnownPlanes {
   int width = 0, height = 0;
 };
 
-/// Where the pixel (u, v) with inverse depth w of one view lands when it is mapped to another view and back with the
-/// depth that is known there.
+/// Round trip of the pixel (u, v) with inverse depth w: mapped to another view, and back with the depth known there.
 struct RoundTrip {
-  bool seen = false;         ///< in the other image, where depth is known
-  float pixels = 0;          ///< distance from the start
-  float relative_depth = 0;  ///< depth there, of the point / of the surface known there, minus 1: > 0 is occluded
+  bool seen = false;         ///< whether it falls into the other image, where depth is known
+  float pixels = 0;          ///< distance from the start, pixels
+  float relative_depth = 0;  ///< depth there, of the point over that of the known surface, minus 1; > 0 = occluded
 };
 ORACLEGS_HD inline RoundTrip GoAndReturn(const PlainPixelMap& there, const PlainPixelMap& back,
                                          const KnownPlanes& other, const Vec3f& uvw) {

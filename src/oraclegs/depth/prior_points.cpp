@@ -39,7 +39,7 @@ class PriorFill {
   static int Cells(int side) { return (side + kPriorStep - 1) / kPriorStep; }
   static int Across(const Camera& camera) { return Cells(camera.width); }
 
-  /// Where a point falls in a view, and its depth there.
+  /// A point's pixel in a view, and its depth there.
   struct Place {
     size_t pixel = 0, cell = 0;
     float depth = 0;

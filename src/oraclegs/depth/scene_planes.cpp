@@ -29,7 +29,7 @@ size_t Support(const ScenePlane& plane, const std::vector<const DensePoint*>& po
       std::count_if(points.begin(), points.end(), [&](const DensePoint* p) { return LiesOn(plane, *p); }));
 }
 
-/// Least squares over the points on it, each as exact as its pixels are small.
+/// Least-squares plane of its points, weighed by the size of their pixels.
 ScenePlane Refined(const ScenePlane& plane, const std::vector<const DensePoint*>& points) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   double total = 0;
@@ -53,7 +53,7 @@ ScenePlane Refined(const ScenePlane& plane, const std::vector<const DensePoint*>
   return {normal.cast<float>(), static_cast<float>(-normal.dot(mean))};
 }
 
-/// Directions at right angles to two planes each.
+/// Directions perpendicular to two planes each.
 std::vector<Eigen::Vector3f> Uprights(const std::vector<ScenePlane>& planes) {
   std::vector<Eigen::Vector3f> directions;
   for (size_t a = 0; a < planes.size(); ++a) {
@@ -76,7 +76,7 @@ std::vector<ScenePlane> FindPlanes(const std::vector<DensePoint>& points) {
   const auto min_support = static_cast<size_t>(kMinShare * static_cast<float>(left.size()));
   while (planes.size() < kMaxPlanes && left.size() > min_support) {
     ThrowIfInterrupted();
-    // The normals of ground and tables, seen at a grazing angle, are too noisy to draw; those of walls define them.
+    // Normals of ground and tables, seen at a grazing angle, are too noisy to draw from; those of walls define them.
     const std::vector<Eigen::Vector3f> uprights = Uprights(planes);
     const size_t draws = std::min(kMaxDraws, left.size()), kinds = uprights.size() + 1;
     std::vector<size_t> support(draws * kinds);

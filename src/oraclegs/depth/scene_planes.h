@@ -16,9 +16,9 @@ struct ScenePlane {
   float Distance(const Eigen::Vector3f& xyz) const { return normal.dot(xyz) + offset; }
 };
 
-/// The planes on which at least 0.5 % of the points each lie, the largest first, at most 24. A point lies on a plane
-/// when it is within five of its pixels of it and its normal agrees. The same for any number of threads. Throws
-/// Interrupted.
+/// The planes on which at least 0.5 % of the points are each, the largest first, at most 24. A point is on a plane when
+/// it is within five of its pixels of it and its normal agrees. The result does not depend on the number of threads.
+/// Throws Interrupted.
 std::vector<ScenePlane> FindPlanes(const std::vector<DensePoint>& points);
 
 }  // namespace oraclegs

@@ -1,6 +1,6 @@
 #pragma once
-// The search for a pixel's plane (docs/method.md#stereo), once for host and device: which planes are tried, which are
-// allowed, which source views contribute. The caller compares the patches.
+// The search for a pixel's plane (docs/method.md#stereo), for host and device: the planes to try, which of them are
+// allowed, the weights of source views. The caller compares the patches.
 
 #include <cmath>
 #include <cstdint>
@@ -30,35 +30,35 @@ inline constexpr float kGeometricWeight = 0.1f, kGeometricLimit = 3;  // cost pe
 /// A source view.
 struct SearchSource {
   PlainPixelMap there, back;
-  KnownPlanes known;  ///< of the pass before; without planes there is no geometric term
+  KnownPlanes known;  ///< planes after the pass before; without planes there is no geometric term
 };
 
-/// A view with the object's silhouette, beside which no plane is allowed.
+/// A view with the object's silhouette, outside of which no plane is allowed.
 struct SearchSilhouette {
   PlainPixelMap there;
   SilhouetteMask mask;
 };
 
-/// One view and all that its search reads and writes. Pointers are to the memory of the device that searches.
+/// One view with all inputs and outputs of its search. Pointers are to the memory of the searching device.
 struct SearchView {
   int width = 0, height = 0;
   float fx = 0, fy = 0, cx = 0, cy = 0;
   float far = 0, near = 0;          ///< bounds of inverse depth
-  int view = 0, pass = 0;           ///< index the random numbers, with the iteration
+  int view = 0, pass = 0;           ///< keys of the random numbers, with the iteration
   bool local = false;               ///< as SearchPass::local
-  const uint8_t* usable = nullptr;  ///< height * width; null: all
+  const uint8_t* usable = nullptr;  ///< height * width; null: all usable
   Plane* planes = nullptr;          ///< height * width
   float* costs = nullptr;           ///< height * width
   int num_sources = 0, num_silhouettes = 0;
   SearchSource sources[kMaxSources];
   const SearchSilhouette* silhouettes = nullptr;
-  float silhouette_scale = 1;  ///< pixels of a silhouette for one of the images
+  float silhouette_scale = 1;  ///< silhouette pixels per image pixel
 
   ORACLEGS_HD inline int64_t Index(int x, int y) const { return static_cast<int64_t>(y) * width + x; }
   ORACLEGS_HD inline bool IsUsable(int x, int y) const { return usable == nullptr || usable[Index(x, y)] != 0; }
 };
 
-/// Numbers of one pixel in one iteration.
+/// Random numbers of one pixel in one iteration.
 class PixelRandom {
  public:
   ORACLEGS_HD inline PixelRandom(const SearchView& view, int iteration, int64_t pixel)
@@ -67,7 +67,7 @@ class PixelRandom {
                      << 32 |
                  static_cast<uint64_t>(pixel)) {}
 
-  /// [-1, 1)
+  /// Uniform in [-1, 1).
   ORACLEGS_HD inline float Signed() {
     if (used_ == 4) {
       words_ = Philox::Draw(kStereoSeed, static_cast<uint64_t>(RandomStream::kStereo) | draws_++ << 32, counter_);
@@ -75,7 +75,7 @@ class PixelRandom {
     }
     return static_cast<float>(words_.x[used_++] >> 8) * 0x1.0p-23f - 1;
   }
-  /// [0, 1)
+  /// Uniform in [0, 1).
   ORACLEGS_HD inline float Unit() { return 0.5f * Signed() + 0.5f; }
 
  private:
@@ -88,7 +88,7 @@ ORACLEGS_HD inline float RandomInverseDepth(const SearchView& view, PixelRandom*
   return view.far + (view.near - view.far) * random->Unit();
 }
 
-/// Gives the plane a random tilt, even in the angle's tangent.
+/// Gives the plane a random tilt, uniform in the tangent of the angle.
 ORACLEGS_HD inline void Tilt(const SearchView& view, PixelRandom* random, Plane* plane) {
   const float tangent = kMaxTilt * random->Unit() * random->Unit();
   const float angle = 3.14159265f * random->Signed();
@@ -109,7 +109,7 @@ class PixelSearch {
         u_(static_cast<float>(x) + 0.5f),
         v_(static_cast<float>(y) + 0.5f) {}
 
-  /// Replaces the pixel's plane and cost by better ones. Reads planes of pixels of the other color only.
+  /// Improves the pixel's plane and cost. Reads planes of pixels of the other color only.
   ORACLEGS_HD inline void Improve(int iteration) {
     const int64_t pixel = view_.Index(x_, y_);
     const Plane own = view_.planes[pixel];
@@ -135,7 +135,7 @@ class PixelSearch {
  private:
   ORACLEGS_HD inline bool IsAllowed(const Plane& plane) const {
     if (!(plane.inv_depth >= view_.far && plane.inv_depth <= view_.near)) return false;
-    // Away from the camera, as NormalOf (plane.cpp) explains.
+    // Direction away from the camera, as NormalOf (plane.cpp) explains.
     Vec3f away{plane.dx * view_.fx, plane.dy * view_.fy, plane.At(view_.cx - u_, view_.cy - v_)};
     const float norm = std::sqrt(Dot(away, away));
     if (norm > 0) away.x /= norm, away.y /= norm, away.z /= norm;
@@ -153,7 +153,7 @@ class PixelSearch {
 
   ORACLEGS_HD inline static bool IsStrip(int region) { return region % 2 == 1; }
 
-  /// The cheapest plane among one region's pixels, by what it cost its owner, as seen from here.
+  /// Finds the plane of least cost among one region's pixels, by its owner's cost, as seen from this pixel.
   ORACLEGS_HD inline bool BestOf(int region, Plane* plane) const {
     const int direction = region / 2;  // right, left, down, up
     const int right = direction == 0 ? 1 : direction == 1 ? -1 : 0, down = direction == 2 ? 1 : direction == 3 ? -1 : 0;
@@ -161,7 +161,7 @@ class PixelSearch {
     float best = std::numeric_limits<float>::infinity();
     int best_x = 0, best_y = 0;
     for (int k = 0; k < (is_strip ? kStripPixels : kFanPixels); ++k) {
-      // (3, 0), (5, 0), (7, 0) ... or (1, 0), (2, -1), (2, 1), (3, -2), (3, 2) ...: of the other color, all.
+      // (3, 0), (5, 0), (7, 0) ... or (1, 0), (2, -1), (2, 1), (3, -2), (3, 2) ...: all are of the other color.
       const int along = is_strip ? 3 + 2 * k : 1 + (k + 1) / 2;
       const int across = is_strip ? 0 : k % 2 == 1 ? 1 - along : along - 1;
       const int x = x_ + along * right - across * down, y = y_ + along * down + across * right;
@@ -178,14 +178,14 @@ class PixelSearch {
     return true;
   }
 
-  /// How far a round trip over the depth of a source ends from its start.
+  /// Distance between start and end of a round trip over a source's depth.
   ORACLEGS_HD inline float GeometricCost(const SearchSource& source, float inv_depth) const {
     if (source.known.planes == nullptr) return 0;
     const RoundTrip trip = GoAndReturn(source.there, source.back, source.known, {u_, v_, inv_depth});
     return kGeometricWeight * (trip.seen && trip.pixels < kGeometricLimit ? trip.pixels : kGeometricLimit);
   }
 
-  /// The sources' weights at this pixel: the point is probably occluded in a source that most hypotheses fail in.
+  /// Sets the sources' weights at this pixel: the point is probably occluded in a source in which most hypotheses fail.
   ORACLEGS_HD inline void WeighSources(int iteration, int hypotheses) {
     const int n = view_.num_sources, min_good = kMinGood < hypotheses ? kMinGood : hypotheses;
     const float good_cost = kGoodCost * std::exp(-static_cast<float>(iteration * iteration) / 90);
@@ -204,7 +204,7 @@ class PixelSearch {
       total += weights_[s];
     }
     if (total > 0) return;
-    // No source is good: all contribute by likelihood. A random plane may be the first that falls into an image.
+    // No source is good: all are weighed by likelihood. A random plane may be the first that falls into an image.
     for (int s = 0; s < n; ++s) {
       float best = kWorstCost;
       for (int h = 0; h < hypotheses; ++h) best = costs_[h * n + s] < best ? costs_[h * n + s] : best;
@@ -222,7 +222,7 @@ class PixelSearch {
       photometric += weights_[s] * costs[s];
       total += weights_[s];
     }
-    // Most planes are out before their geometric term, which takes two projections a source.
+    // Rejects most planes before their geometric term, which takes two projections a source.
     if (!(total > 0) || !(photometric / total < best_score_)) return;
     float score = photometric;
     for (int s = 0; s < view_.num_sources; ++s) {
@@ -234,19 +234,19 @@ class PixelSearch {
     best_cost_ = photometric / total;
   }
 
-  /// A plane's inverse depth a little nearer or farther: by 3 % to 0.2 %.
+  /// A plane's inverse depth, randomly changed by 3 % to 0.2 %.
   ORACLEGS_HD inline static float NearDepth(const Plane& start, PixelRandom* random) {
     const float step = std::exp2(-5 - 4 * random->Unit());
     return start.inv_depth * (1 + step * random->Signed());
   }
-  /// Turns the plane a little away from the start's tilt.
+  /// Tilts the plane randomly, near the start's tilt.
   ORACLEGS_HD inline void TurnFrom(const Plane& start, PixelRandom* random, Plane* plane) const {
     const float step = std::exp2(-1 - 3 * random->Unit());
     plane->dx = start.dx + plane->inv_depth * step * random->Signed() / view_.fx;
     plane->dy = start.dy + plane->inv_depth * step * random->Signed() / view_.fy;
   }
 
-  /// One of the random planes, in their order: the numbers are drawn one after another.
+  /// Random plane number `which`; call in order, since their numbers are drawn one after another.
   ORACLEGS_HD inline Plane Refinement(int which, const Plane& start, PixelRandom* random) const {
     Plane plane = start;
     if (which == 0) {  // elsewhere, as tilted as now
@@ -287,7 +287,7 @@ class PixelSearch {
   uint8_t active_[kMaxSources];
   Plane best_;
   float best_score_ = std::numeric_limits<float>::infinity();  ///< with the geometric term
-  float best_cost_ = kWorstCost;                               ///< without
+  float best_cost_ = kWorstCost;                               ///< without the geometric term
 };
 
 }  // namespace oraclegs

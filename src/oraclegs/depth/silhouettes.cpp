@@ -40,7 +40,7 @@ std::vector<size_t> BorderPixels(int width, int height) {
   return border;
 }
 
-/// The background's color: the median of all images' borders.
+/// Color of the background: the median of all images' borders.
 Color BorderColor(const std::vector<LoadedView>& views) {
   Color color{};
   for (size_t c = 0; c < 3; ++c) {
@@ -53,13 +53,14 @@ Color BorderColor(const std::vector<LoadedView>& views) {
   return color;
 }
 
-/// One mask for all images is the lens's rim or the photographer's finger, not an object's surroundings.
+/// Whether masks differ between images. One mask for all images is the lens's rim or the photographer's finger, not an
+/// object's surroundings.
 bool MasksFollowTheScene(const std::vector<LoadedView>& views) {
   return views.size() == 1 ||
          std::any_of(views.begin(), views.end(), [&](const LoadedView& p) { return p.mask != views.front().mask; });
 }
 
-/// 1 = object; empty when the border is not background.
+/// Pixels of the object, 1 = object; empty when the border is not background.
 std::vector<uint8_t> ObjectOf(const LoadedView& view, const Color& background, bool use_mask) {
   const int width = view.rgb.width, height = view.rgb.height;
   const auto is_background = [&](size_t i) {

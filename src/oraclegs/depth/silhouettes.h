@@ -8,22 +8,22 @@
 
 namespace oraclegs {
 
-/// Where an object is in each view (docs/method.md#stereo). All of the scene projects within them.
+/// Silhouette of an object in each view (docs/method.md#stereo). The whole scene projects into them.
 class Silhouettes {
  public:
   /// Recognizes an object before a known background, or holds nothing: nine tenths of every image's border must be
-  /// excluded by its mask (unless all have the same) or show one color, the same in all images (a Blender scene
-  /// composited on its background; a turntable before a sheet). Background is then what is masked, or has that color
-  /// and is connected with the border.
+  /// excluded by its mask (unless all images have the same one) or show one color, the same in all images (a Blender
+  /// scene composited on its background; a turntable before a sheet). Background is then the masked region, or the
+  /// region of that color connected with the border.
   explicit Silhouettes(const std::vector<LoadedView>& views);
 
   bool empty() const { return object_.empty(); }
-  /// height * width of view `v`'s image: 1 = object.
+  /// Object pixels of view `v`'s image, height * width: 1 = object.
   const std::vector<uint8_t>& Object(size_t v) const { return object_[v]; }
-  /// False when the pixel of view `v` is farther than two pixels from the object; true beyond the image, where
-  /// nothing is known.
+  /// Whether the object may be at a pixel of view `v`: false more than two pixels from it; true outside the image,
+  /// where nothing is known.
   bool MayContain(size_t v, float x, float y) const { return Mask(v).MayContain(x, y); }
-  /// The same for device code; valid as long as this object.
+  /// The region of MayContain for device code; valid as long as this object.
   SilhouetteMask Mask(size_t v) const { return {grown_[v].data(), sizes_[v].first, sizes_[v].second}; }
 
  private:

@@ -85,7 +85,7 @@ class Stereo {
     return scene;
   }
 
-  /// Pixels that no mask excludes and that show the object, at a resolution; empty = all.
+  /// Unmasked pixels that show the object, at a resolution; empty = all.
   std::vector<uint8_t> Usable(size_t v, int width, int height) const {
     const LoadedView& loaded = views_[v];
     if (loaded.mask.empty() && silhouettes_.empty()) return {};
@@ -102,7 +102,7 @@ class Stereo {
     return usable;
   }
 
-  /// Inverse depths of the points that view `v` is known to have seen, around where they project.
+  /// Inverse depths of the points that view `v` saw, around their projections.
   std::vector<float> Hints(const StereoScene& scene, size_t v) const {
     const Camera& camera = scene.views[v].camera;
     std::vector<float> hints(static_cast<size_t>(camera.width) * camera.height, 0);
@@ -174,7 +174,7 @@ class Stereo {
   Silhouettes silhouettes_;
   std::vector<DepthRange> ranges_;
   std::vector<std::vector<int>> neighbors_;
-  int smallest_ = 0;  ///< side of all views
+  int smallest_ = 0;  ///< smallest side of all views, pixels
   int levels_ = 1;
   int64_t done_ = 0, total_ = 0;
 };

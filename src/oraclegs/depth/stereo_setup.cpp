@@ -39,7 +39,7 @@ std::vector<Camera> CamerasOf(const std::vector<LoadedView>& views) {
   return cameras;
 }
 
-/// Points in the middle of what the cameras look at.
+/// Random points in the volume that the cameras look at.
 std::vector<Eigen::Vector3d> RandomPoints(const std::vector<Camera>& cameras) {
   const Ball ball = LookedAt(cameras);
   Rng rng(0, RandomStream::kStereoStandIns);
@@ -51,7 +51,7 @@ std::vector<Eigen::Vector3d> RandomPoints(const std::vector<Camera>& cameras) {
   return points;
 }
 
-/// Two quantiles of depth, each times a margin.
+/// Two quantiles of depth, each with a factor as margin.
 struct RangeMargins {
   double near_quantile, far_quantile, near_margin, far_margin;
 };
@@ -86,7 +86,7 @@ std::vector<DepthRange> FindDepthRanges(const std::vector<LoadedView>& views, co
   std::vector<std::vector<double>> depths(views.size());
   for (const ScenePoint& point : points) {
     for (size_t v = 0; v < views.size(); ++v) {
-      // All points in frame count, also occluded ones: the bounds then hold for surfaces without points, too.
+      // All points in frame, also occluded ones: the bounds then hold for surfaces without points, too.
       if (InFrame(views[v].camera, point.xyz)) depths[v].push_back((views[v].camera.cam_from_world * point.xyz).z());
     }
   }

@@ -13,20 +13,20 @@ struct DepthRange {
   float far = 0, near = 0;
 };
 
-/// Bounds for each view: from the points in its frame, with a margin; where they are fewer than 20, or there are
-/// silhouettes, from the cameras: the distance to what they look at, +-45 % for an object within silhouettes, a fifth
-/// to twenty times of it for a scene.
+/// Bounds for each view: from the points in its frame, with a margin. With fewer than 20 points, or with silhouettes,
+/// from the cameras: +-45 % of the distance to the point they look at for an object within silhouettes, a fifth to
+/// twenty times of it for a scene.
 std::vector<DepthRange> FindDepthRanges(const std::vector<LoadedView>& views, const std::vector<ScenePoint>& points,
                                         const Silhouettes& silhouettes);
 
 /// Up to `most` source views for each view, best first: those that see the same points (ScenePoint::views index
-/// `views`) under an angle near 10 degrees, which is wide enough to measure and narrow enough to look similar, at least
-/// half a degree and less than 60. Where two views share too few points, random ones in the volume the cameras look at
-/// are added. May be empty for a view that shares nothing with any other, or only with those taken from its own place.
+/// `views`) at an angle near 10 degrees, which is wide enough to measure and narrow enough to look similar; at least
+/// half a degree and less than 60. Where two views share too few points, random ones in the volume that the cameras
+/// look at are added. Empty for a view that shares points with no other, or only with views from its own place.
 std::vector<std::vector<int>> FindNeighbors(const std::vector<LoadedView>& views, const std::vector<ScenePoint>& points,
                                             int most);
 
-/// Angle in degrees under which two camera centers see a point.
+/// Angle in degrees between the rays from two camera centers to a point.
 double AngleAt(const Eigen::Vector3d& point, const Camera& a, const Camera& b);
 
 }  // namespace oraclegs

@@ -15,7 +15,7 @@
 namespace oraclegs {
 namespace {
 
-/// The view's mask [H,W] of 0 and 1, undefined when every pixel counts.
+/// The view's mask [H,W] of 0 and 1, undefined when it has none.
 Buffer<float> MaskOf(const LoadedView& view) {
   if (view.mask.empty()) return {};
   const int64_t height = view.rgb.height, width = view.rgb.width;
@@ -40,7 +40,7 @@ ViewMetrics Score(const LoadedView& view, const Buffer<float>& render, const Buf
   return metrics;
 }
 
-/// The scores, or none where a view is too small for them.
+/// The scores; empty, with a warning, where a view is too small for them.
 ImageScores Usable(const ImageScores& scores, const std::vector<LoadedView>& views, const Listener& listener) {
   for (const LoadedView& view : views) {
     if (!scores.of || std::min(view.camera.width, view.camera.height) >= scores.smallest_side) continue;

@@ -14,15 +14,15 @@
 
 namespace oraclegs {
 
-/// Scores beside PSNR and SSIM that a floor above knows how to compute.
+/// Scores beside PSNR and SSIM, supplied by a floor above.
 struct ImageScores {
-  /// name -> score of a render against the truth, [H,W,3] in [0,1]; empty = none. Always the same names.
+  /// Scores of a render against the truth, [H,W,3] in [0,1], by name; empty = none. The names are always the same.
   std::function<std::map<std::string, double>(const Buffer<float>& render, const Buffer<float>& truth)> of;
   std::map<std::string, std::string> conventions;  ///< name -> how it is computed
-  int64_t smallest_side = 1;                       ///< pixels, of an image that can be scored
+  int64_t smallest_side = 1;                       ///< least side of an image that can be scored, pixels
 };
 
-/// What Evaluate may do beside measuring.
+/// Optional outputs and scores of Evaluate.
 struct EvaluateExtras {
   // Not explicit: renders alone are what most callers want.
   EvaluateExtras(std::filesystem::path renders_in = {}, ImageScores scores_in = {})
@@ -35,7 +35,7 @@ struct EvaluateExtras {
 struct ViewMetrics {
   std::string name;
   double psnr = 0, ssim = 0, psnr_color_corrected = 0;
-  std::map<std::string, double> more = {};  ///< of ImageScores
+  std::map<std::string, double> more = {};  ///< scores of ImageScores by name
 };
 
 struct TestMetrics {
@@ -43,26 +43,26 @@ struct TestMetrics {
   /// Means over views; NaN when no view is scored.
   double psnr = 0, ssim = 0, psnr_color_corrected = 0;
   std::map<std::string, double> more = {};
-  std::map<std::string, std::string> conventions = {};  ///< of `more`
+  std::map<std::string, std::string> conventions = {};  ///< conventions of the scores in `more`
 };
 
-/// Renders each view's camera, compares 8-bit with 8-bit, and writes both as `extras` asks. Where a view's mask
-/// excludes, the scores of `extras` see the view's image on both sides. A view too small for them leaves them out for
-/// all, with a warning.
+/// Renders each view's camera, compares 8-bit images, and writes them as `extras` asks. Where a view's mask excludes,
+/// the scores of `extras` get the view's image on both sides. When a view is too small for those scores they are left
+/// out for all, with a warning.
 TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<LoadedView>& views, const RenderOptions& options,
                      const EvaluateExtras& extras, const Listener& listener);
 
-/// The mean PSNR of the same comparison, NaN when no view is scored. Does not look for interrupts: who trains saves
+/// Mean PSNR as Evaluate computes it, NaN when no view is scored. Does not check for interrupts: the trainer saves
 /// first.
 double MeanPsnr(const Gaussians& gaussians, const std::vector<LoadedView>& views, const RenderOptions& options);
 
-/// {"psnr", "ssim", "psnr_color_corrected", "views": [{"name", "psnr", "ssim", "psnr_color_corrected"}]}, and of each
-/// further score its name in both and in "conventions"; the means are null when no view is scored.
+/// {"psnr", "ssim", "psnr_color_corrected", "views": [{"name", "psnr", "ssim", "psnr_color_corrected"}]}; each further
+/// score stands under its name beside these and in "conventions". The means are null when no view is scored.
 nlohmann::json ToJson(const TestMetrics& metrics);
 
-/// Converts a render [H,W,3] for writing: clamped, 8 bit.
+/// Converts a render [H,W,3] for writing: clamped to [0, 1], 8 bit.
 Image8 ToImage8(const Buffer<float>& image);
-/// The image as [H,W,3], copied. Throws ShapeError unless it has 3 channels.
+/// Copies the image to a buffer [H,W,3]. Throws ShapeError unless it has 3 channels.
 Buffer<float> ToBuffer(const ImageF& image);
 
 }  // namespace oraclegs

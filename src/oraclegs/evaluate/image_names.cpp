@@ -19,7 +19,7 @@ std::string PlainName(const std::string& view) {
   return Flat(std::filesystem::path(view).replace_extension().generic_string());
 }
 
-/// "left/0001.jpg" as "left_0001_jpg".
+/// Name of a view with its extension: "left/0001.jpg" becomes "left_0001_jpg".
 std::string NameWithExtension(const std::string& view) {
   const std::string extension = std::filesystem::path(view).extension().string();
   return extension.empty() ? PlainName(view) : PlainName(view) + "_" + extension.substr(1);
@@ -27,7 +27,7 @@ std::string NameWithExtension(const std::string& view) {
 
 std::string TruthOf(const std::string& name) { return name + std::string(kTruth); }
 
-/// The files that one view's images would take are free.
+/// Whether the file names of one view's images are free.
 bool IsFree(const std::set<std::string>& taken, const std::string& name) {
   return taken.count(name) == 0 && taken.count(TruthOf(name)) == 0;
 }

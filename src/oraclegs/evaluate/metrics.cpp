@@ -25,13 +25,13 @@ void CheckImages(const char* who, const Buffer<float>& a, const Buffer<float>& b
   if (mask.defined()) RequireShape(who, "mask", mask, {a.size(0), a.size(1)});
 }
 
-/// An undefined mask is 1 everywhere.
+/// Weight of a pixel; 1 for an undefined mask.
 double Weight(const Buffer<float>& mask, int64_t pixel) {
   return mask.defined() ? static_cast<double>(mask[pixel]) : 1.0;
 }
 
-/// Adds up over pixels in blocks of fixed size, so that the sum has the same bits for any number of threads.
-/// add(pixel, &sum) adds one pixel.
+/// Sums over pixels in blocks of fixed size, so that the sum has the same bits for any number of threads. add(pixel,
+/// &sum) adds one pixel.
 template <class Sum, class Add>
 Sum SumOverPixels(int64_t pixels, const Sum& zero, const Add& add) {
   std::vector<Sum> sums(static_cast<size_t>((pixels + kPixelGrain - 1) / kPixelGrain), zero);
@@ -45,7 +45,7 @@ Sum SumOverPixels(int64_t pixels, const Sum& zero, const Add& add) {
   return total;
 }
 
-/// Mean of value(i), i a place in [H,W,3], over the pixels of the mask. NaN when it is empty.
+/// Mean of value(i), i an index into [H,W,3], over the pixels of the mask. NaN when it is empty.
 template <class Value>
 double MaskedMean(int64_t pixels, const Buffer<float>& mask, const Value& value) {
   const Eigen::Array2d sums =
@@ -89,8 +89,8 @@ double Psnr(const Buffer<float>& a, const Buffer<float>& b, const Buffer<float>&
 
 double Ssim(const Buffer<float>& a, const Buffer<float>& b, const Buffer<float>& mask) {
   CheckImages("Ssim", a, b, mask);
-  // The windows of pixels that count reach 5 pixels into those that do not: there both images are made the same, as the
-  // training loss does it, so that what is masked is ignored.
+  // Windows of unmasked pixels reach 5 pixels into masked ones: there the images are made equal, as in the training
+  // loss, so that masked pixels are ignored.
   const Buffer<float> map = SsimMap(WithMaskedFrom(a, b, mask), b);
   const float* values = map.data();
   return MaskedMean(Pixels(a), mask, [&](int64_t i) { return static_cast<double>(values[i]); });
@@ -100,14 +100,14 @@ double ColorCorrectedPsnr(const Buffer<float>& render, const Buffer<float>& targ
   CheckImages("ColorCorrectedPsnr", render, target, mask);
   const int64_t pixels = Pixels(render);
   const float *from = render.data(), *to = target.data();
-  // The normal equations of w (from, 1) M = w to: the left four columns, and the right side in the other three.
+  // Normal equations of w (from, 1) M = w to: the left four columns, and the right side in the other three.
   const Equations equations = SumOverPixels<Equations>(pixels, Equations::Zero(), [&](int64_t i, Equations* sum) {
     const Eigen::Vector4d row = Homogeneous(from + 3 * i);
     const double w = Weight(mask, i);
     sum->leftCols<4>() += w * row * row.transpose();
     sum->rightCols<3>() += w * row * Eigen::Map<const Eigen::RowVector3f>(to + 3 * i).cast<double>();
   });
-  // A flat or gray image leaves colors undetermined: the decomposition then gives the smallest of the solutions.
+  // A flat or gray image leaves colors undetermined: the decomposition then gives the solution of least norm.
   const Eigen::Matrix<double, 4, 3> map =
       Eigen::Matrix4d(equations.leftCols<4>()).completeOrthogonalDecomposition().solve(equations.rightCols<3>());
   Buffer<float> corrected = Buffer<float>::Empty(render.shape());

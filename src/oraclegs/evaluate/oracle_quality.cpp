@@ -30,8 +30,8 @@ void CheckPixels(const std::vector<float>& error, const std::vector<float>& conf
   }
 }
 
-/// Mean over m = 1 .. n of the mean error of the m pixels that are kept longest. `removed` is the order in which they
-/// leave, by `key`; among pixels of one key each may be the next, so that their mean stands for each.
+/// Mean over m = 1 .. n of the mean error of the m pixels that are kept longest. `removed`: order of removal, by `key`.
+/// Pixels of equal key leave in random order, so each has the mean error of its tie.
 double SparsificationArea(const std::vector<float>& error, const std::vector<float>& key,
                           const std::vector<int64_t>& removed) {
   std::vector<double> expected(removed.size());
@@ -54,7 +54,7 @@ std::vector<bool> Above(const std::vector<float>& error, float threshold) {
   return above;
 }
 
-/// Sums instead of means, so that bins can be joined.
+/// Bins with sums instead of means, so that they can be joined.
 std::vector<ReliabilityBin> BinSums(const std::vector<float>& error, const std::vector<float>& confidence) {
   std::vector<ReliabilityBin> bins(kReliabilityBins);
   for (int b = 0; b < kReliabilityBins; ++b) {
@@ -80,7 +80,7 @@ ReliabilityBin Joined(const ReliabilityBin& a, const ReliabilityBin& b) {
   return {a.from, b.to, a.confidence + b.confidence, a.error + b.error, a.similarity + b.similarity, a.share + b.share};
 }
 
-/// The smallest bin first, until all are large enough.
+/// Joins bins, the smallest first, until all are large enough.
 std::vector<ReliabilityBin> WithoutSmallBins(std::vector<ReliabilityBin> sums, double smallest) {
   while (sums.size() > 1) {
     const auto small = std::min_element(

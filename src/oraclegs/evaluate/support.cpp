@@ -32,7 +32,7 @@ class Contributions {
     grads_ = Gaussians::Zeros(gaussians.size(), device_);
   }
 
-  /// Channel 0 of the gradient is what is trusted, channel 1 what is blended, both times dColor/dSH.
+  /// Gradient with dColor/dSH as a factor: channel 0 is the trusted sum, channel 1 the blended one.
   const float* Of(const SupportView& view) {
     const int64_t height = view.camera.height, width = view.camera.width;
     if (view.weight.defined()) RequireShape("Support", "weight", view.weight, {height, width});
@@ -58,8 +58,8 @@ class Contributions {
   RenderOptions options_;
 };
 
-/// The pixels that a Gaussian would cover without anything before it, weighted by its alpha: 2 pi opacity sqrt(det of
-/// its projected covariance). 0 behind the camera.
+/// Area in pixels that a Gaussian would cover without anything before it, weighted by its alpha: 2 pi opacity sqrt(det
+/// of its projected covariance). 0 behind the camera.
 double FootprintOf(const GaussianRows& g, const Camera& camera) {
   const Eigen::Matrix3d to_camera = camera.cam_from_world.linear();
   const Eigen::Vector3d p =
@@ -77,10 +77,10 @@ double FootprintOf(const GaussianRows& g, const Camera& camera) {
          std::sqrt(std::max(0.0, covariance.determinant()));
 }
 
-/// What the views say of one Gaussian so far.
+/// Evidence of the views for one Gaussian so far.
 struct Evidence {
-  int images = 0;         ///< that see it
-  double seen = 0;        ///< sum of the unoccluded shares in images that see it
+  int images = 0;         ///< number of images that see it
+  double seen = 0;        ///< sum of the unoccluded fractions in images that see it
   double confidence = 0;  ///< highest mean confidence in a proposal that sees it
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// How far the images and the proposals support each Gaussian (docs/method.md#support).
+// Support of each Gaussian by the images and the proposals (docs/method.md#support).
 
 #include <vector>
 
@@ -17,11 +17,11 @@ struct SupportView {
   bool is_proposal = false;  ///< false: an image
 };
 
-/// The support of each Gaussian, [N] in [0, 1]. A view sees a Gaussian when at least a tenth of the Gaussian's
-/// projected area is unoccluded there. [0.75, 1]: two or more images see it; more of them, more support. [0.5, 0.75):
-/// one image. [0.25, 0.5): no image, and the mean confidence of the proposed pixels that show it, in the proposal that
-/// trusts it most, is at least 0.5; below 0.25: less than that, or nothing sees it. Rendered on the device of the
-/// Gaussians; `options` gives the antialiasing. Throws ShapeError for a weight that does not fit its camera.
+/// The support of each Gaussian, [N] in [0, 1]. A view sees a Gaussian when at least a tenth of its projected area is
+/// unoccluded there. [0.75, 1]: two or more images see it; more with more images. [0.5, 0.75): one image. [0.25, 0.5):
+/// no image; in the proposal that trusts it most, the mean confidence of the pixels that show it is at least 0.5. Below
+/// 0.25: less confidence, or nothing sees it. Rendered on the device of the Gaussians; `options` gives the
+/// antialiasing. Throws ShapeError for a weight that does not fit its camera.
 std::vector<float> Support(const Gaussians& gaussians, const std::vector<SupportView>& views,
                            const RenderOptions& options);
 

@@ -18,7 +18,7 @@ namespace {
 constexpr float kDrawn = 0.1f;           // alpha, from which on a pixel shows the model
 constexpr int64_t kMaxPixels = 4000000;  // of all views, that are ranked: more take memory and change no digit
 
-/// [N,3]
+/// The values in three equal channels, [N,3].
 Buffer<float> Gray(const std::vector<float>& values) {
   Buffer<float> colors = Buffer<float>::Empty({static_cast<int64_t>(values.size()), 3});
   for (size_t i = 0; i < values.size(); ++i) std::fill_n(colors.data() + 3 * i, 3, values[i]);

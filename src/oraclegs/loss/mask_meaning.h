@@ -2,7 +2,7 @@
 
 namespace oraclegs {
 
-/// What the weights of pixels do besides weighing them.
+/// Effect of pixel weights besides weighing.
 enum class MaskMeaning {
   kConfidence,  ///< windows of SSIM see the render everywhere
   kMask,        ///< where the weight is 0 the render is replaced by the target and takes no gradient

@@ -13,7 +13,7 @@ constexpr int64_t kPixelGrain = 1 << 14;  // pixels a task, at least
 constexpr int64_t kMaxTasks = 256;        // so that their sums need no heap
 constexpr int kSums = 8;                  // independent sums, so that additions need not wait for each other
 
-/// A null mask is 1 everywhere.
+/// Sum of |a - b| * mask over [begin, end); a null mask is 1 everywhere.
 double MaskedDistance(const float* a, const float* b, const float* mask, int64_t begin, int64_t end) {
   const auto distance = [=](int64_t i) {
     return static_cast<double>(std::abs(a[i] - b[i]) * (mask == nullptr ? 1 : mask[i]));

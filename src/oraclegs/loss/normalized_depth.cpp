@@ -11,7 +11,7 @@ namespace {
 constexpr double kMinRelativeSquares = 1e-12;  // less is the rounding of float32
 constexpr double kSmoothing = 0.01;            // of the deviation over all patches, added to what a patch is divided by
 
-/// Calls f(pixel, mask) for the pixels of a patch that count.
+/// Calls f(pixel, mask) for the pixels of a patch with a mask above 0.
 template <class F>
 void ForCounted(const DepthImages& images, const ImagePatch& patch, F&& f) {
   for (int64_t y = patch.y; y < patch.y + patch.height; ++y) {
@@ -26,7 +26,7 @@ struct Spread {
   double weight = 0, mean = 0;
   double squares = 0;  ///< weighted sum of squared differences from the mean
 
-  /// 0 where it is nothing but rounding.
+  /// Standard deviation with n - 1; 0 where it is rounding only.
   double Deviation() const {
     return weight > 1 && squares > kMinRelativeSquares * weight * mean * mean ? std::sqrt(squares / (weight - 1)) : 0;
   }
@@ -48,7 +48,7 @@ Spread SpreadOf(const DepthImages& images, const Buffer<float>& values, const Im
   return spread;
 }
 
-/// Of the union of disjoint sets.
+/// Spread of the union of two disjoint sets.
 Spread Joined(const Spread& a, const Spread& b) {
   if (!(b.weight > 0)) return a;
   const double weight = a.weight + b.weight, apart = b.mean - a.mean;
@@ -56,12 +56,12 @@ Spread Joined(const Spread& a, const Spread& b) {
           a.squares + b.squares + apart * apart * a.weight * b.weight / weight};
 }
 
-/// One image by patches.
+/// One image with the statistics of its patches.
 struct NormalizedImage {
   const Buffer<float>* values;
   std::vector<Spread> patches;
-  Spread all;                    ///< of the patches that count
-  std::vector<double> divisors;  ///< of each patch, 0: it does not count
+  Spread all;                    ///< over the used patches
+  std::vector<double> divisors;  ///< divisor of each patch; 0 = unused
 
   double At(size_t patch, int64_t pixel) const {
     return (static_cast<double>((*values)[pixel]) - patches[patch].mean) / divisors[patch];
@@ -85,14 +85,14 @@ NormalizedImage Normalize(const DepthImages& images, const Buffer<float>& values
   return out;
 }
 
-/// What one patch adds to the loss and to the derivatives of its own means and deviations.
+/// Contribution of one patch to the loss and to the derivatives of its own mean and deviation.
 struct PatchErrors {
-  double squares = 0, weight = 0;  ///< of the pixels beyond the tolerance
-  double sum = 0;                  ///< of the errors
-  double with_value = 0;           ///< of error times normalized rendered value
+  double squares = 0, weight = 0;  ///< over the pixels beyond the tolerance
+  double sum = 0;                  ///< sum of the errors
+  double with_value = 0;           ///< sum of error times normalized rendered value
 };
 
-/// Rendered image and target.
+/// Rendered image and target, normalized by patches.
 struct NormalizedPair {
   const DepthImages& images;
   const std::vector<ImagePatch>& patches;
@@ -101,8 +101,8 @@ struct NormalizedPair {
 
   bool Counts(size_t patch) const { return rendered.divisors[patch] > 0 && target.divisors[patch] > 0; }
 
-  /// Calls f(pixel, mask, normalized rendered value, error) for each pixel that counts; the error is 0 within the
-  /// tolerance.
+  /// Calls f(pixel, mask, normalized rendered value, error) for each pixel with a mask above 0; the error is 0 within
+  /// the tolerance.
   template <class F>
   void ForErrors(size_t patch, F&& f) const {
     ForCounted(images, patches[patch], [&](int64_t i, double w) {
@@ -115,7 +115,7 @@ struct NormalizedPair {
 }  // namespace
 
 int64_t DrawPatchSide(const PatchSideRange& range, DepthNormalization normalization, uint64_t seed, int64_t iteration) {
-  // Behind the draws of RandomPatches, which begin at the same multiple of 2^32.
+  // Offset past the draws of RandomPatches, which begin at the same multiple of 2^32.
   const uint64_t own = (uint64_t{1} << 31) + (normalization == DepthNormalization::kGlobal ? 1 : 0);
   Rng rng(seed, RandomStream::kDepthPatches, (static_cast<uint64_t>(iteration) << 32) + own);
   return range.min + rng.Index(range.max - range.min + 1);

@@ -10,10 +10,10 @@ namespace {
 
 constexpr int64_t kPearsonRows = 16;  // of pixels a task
 
-// A spread this small of the values is the rounding of float32.
+// Relative variance below which values are constant up to the rounding of float32.
 constexpr double kMinRelativeVariance = 1e-12;
 
-/// Weighted sums over pixels. Of the values themselves, or of their differences from the means.
+/// Weighted sums over pixels of pairs (a, b), or of their differences from the means.
 struct PairSums {
   double weight = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
 
@@ -35,7 +35,7 @@ struct PairSums {
   }
 };
 
-/// Sums over a patch, whose rows are worked on in blocks of fixed size and added in order.
+/// Sums over a patch; blocks of rows of fixed size are added in order.
 PairSums SumPatch(const DepthImages& images, const ImagePatch& patch, double mean_a, double mean_b) {
   std::vector<PairSums> parts(static_cast<size_t>((patch.height + kPearsonRows - 1) / kPearsonRows));
   const float *a = images.rendered.data(), *b = images.target.data();
@@ -54,7 +54,7 @@ PairSums SumPatch(const DepthImages& images, const ImagePatch& patch, double mea
   return total;
 }
 
-/// Of one patch: d(1 - r)/d(a_i) = w_i (to_a (a_i - mean_a) - to_b (b_i - mean_b)).
+/// Correlation of one patch: d(1 - r)/d(a_i) = w_i (to_a (a_i - mean_a) - to_b (b_i - mean_b)).
 struct Correlation {
   double r = 0;
   double mean_a = 0, mean_b = 0;
@@ -118,7 +118,7 @@ double PatchPearsonDepthLoss(const DepthImages& images, const std::vector<ImageP
   }
   if (grad != nullptr && grad->defined()) {
     grad->SetZero();
-    // One after the other: patches may overlap.
+    // Sequential, since patches may overlap.
     for (size_t k = 0; k < patches.size(); ++k) {
       if (!correlations[k]) continue;
       AddCorrelationGradient(images, patches[k], *correlations[k], weight / static_cast<double>(count), grad->data());

@@ -22,7 +22,7 @@ constexpr int kWidthStep = 16;           // pixels; keeps the inner tiles' rows 
 
 int CeilDiv(int a, int b) { return (a + b - 1) / b; }
 
-/// The tiles depend on the images' size only, so the sums have the same bits for any number of threads.
+/// Cuts the image into tiles. They depend on its size only, so the sums have the same bits for any number of threads.
 void CutTiles(int width, int height, std::vector<Tile>* tiles) {
   tiles->clear();
   const int strips = CeilDiv(width, photometric::kMaxTileWidth);
@@ -49,7 +49,7 @@ Images ImagesOf(const Buffer<float>& render, const Buffer<float>& target) {
   return images;
 }
 
-/// out = where(mask > 0, inside, outside), pixel by pixel; `outside` undefined is zero. Images are [H,W,3].
+/// Writes where(mask > 0, inside, outside), pixel by pixel; an undefined `outside` is zero. Images are [H,W,3].
 void SelectByMask(const Buffer<float>& mask, const Buffer<float>& inside, const Buffer<float>& outside,
                   const Buffer<float>& out) {
   const float* m = mask.data();
@@ -73,8 +73,7 @@ struct PhotometricLoss::Buffers {
   TileSums Run(const Images& images) {
     CutTiles(images.width, images.height, &tiles);
     sums.resize(tiles.size());
-    // All that can be busy at once: else a helper that comes late for the first time would allocate in the midst of a
-    // run.
+    // Scratch for all threads that can be busy at once: otherwise a late helper would allocate during a run.
     const size_t busy = std::min<size_t>(tiles.size(), static_cast<size_t>(NumThreads()));
     while (idle.size() < busy) idle.push_back(std::make_unique<Scratch>());
     ParallelFor(static_cast<int64_t>(tiles.size()), [&](int64_t i) {
@@ -126,8 +125,8 @@ PhotometricValue PhotometricLoss::operator()(const Buffer<float>& render, const 
 
   Buffer<float> seen = render;
   if (pixels.IsMask()) {
-    // SSIM looks 5 pixels around: where the mask is zero the render is replaced by the target, so that it neither
-    // influences the pixels that count nor takes a gradient from them.
+    // SSIM windows reach 5 pixels: where the mask is zero the render is replaced by the target, so that it neither
+    // influences unmasked pixels nor takes a gradient from them.
     seen = buffers_->masked.Get({height, width, 3});
     SelectByMask(mask, render, target, seen);
   }

@@ -15,7 +15,7 @@ struct PhotometricWeights {
   float dssim = 0.2f;
 };
 
-/// How much each pixel of an image contributes: [H,W], 0 or more; undefined = 1 everywhere.
+/// Weight of each pixel of an image: [H,W], 0 or more; undefined = 1 everywhere.
 struct PixelWeights {
   // Not explicit: plain weights are a confidence.
   PixelWeights(Buffer<float> values_in = {}, MaskMeaning meaning_in = MaskMeaning::kConfidence)
@@ -33,7 +33,8 @@ struct PhotometricValue {
   double dssim = 0;  ///< mean((1 - SSIM) * U)
 };
 
-/// Owns its buffers, which grow to the largest image and are then reused. The same bits for any number of threads.
+/// Photometric loss. Its buffers grow to the largest image and are reused. The result does not depend on the number of
+/// threads.
 class PhotometricLoss {
  public:
   PhotometricLoss();
@@ -41,8 +42,8 @@ class PhotometricLoss {
   PhotometricLoss(PhotometricLoss&&) noexcept;
   PhotometricLoss& operator=(PhotometricLoss&&) noexcept;
 
-  /// render, target [H,W,3] float32; `pixels` is U. grad [H,W,3] receives dL/d(render); undefined or null = value only.
-  /// All means run over all pixels. Throws ShapeError.
+  /// Evaluates the loss. render, target [H,W,3] float32; `pixels` is U. grad [H,W,3] receives dL/d(render); undefined
+  /// or null = value only. Means run over all pixels, masked ones included. Throws ShapeError.
   PhotometricValue operator()(const Buffer<float>& render, const Buffer<float>& target, const PixelWeights& pixels,
                               const PhotometricWeights& weights, Buffer<float>* grad);
 

@@ -58,7 +58,7 @@ HWY_INLINE void CopyColumns(const float* HWY_RESTRICT row, int width, const Tile
   std::fill_n(out + 3 * (end - left), WholeVectors(3 * (right - left)) - 3 * (end - left), 0.f);
 }
 
-/// The same for the confidence, once for each channel.
+/// Writes one confidence row of the tile with its halo into `out`, once for each channel, zero outside the image.
 HWY_INLINE void SpreadConfidence(const float* HWY_RESTRICT row, int width, const Tile& tile, float* HWY_RESTRICT out) {
   const FloatTag d;
   const int left = tile.x0 - 2 * kRadius, right = tile.x1 + 2 * kRadius;
@@ -99,12 +99,12 @@ HWY_INLINE void FetchRow(const Images& images, const Tile& tile, int y, int slot
   }
 }
 
-/// sum_k Tap(k) at(k). Both sides of the window have the same weights: many processors add beside their
-/// multiplications, and have half as many of these then.
+/// sum_k Tap(k) at(k). The window is symmetric, so pairs are added first: half as many multiplications, beside which
+/// many processors can add.
 template <class At>
 HWY_INLINE FloatVec WindowSum(const At& at) {
   const FloatTag d;
-  // Two sums, so that a multiplication need not wait for the one before.
+  // Two sums, for shorter dependency chains.
   FloatVec even = hn::Mul(at(kRadius), hn::Set(d, Tap(kRadius)));
   FloatVec odd = hn::Mul(hn::Add(at(0), at(kTaps - 1)), hn::Set(d, Tap(0)));
   HWY_UNROLL(2)
@@ -115,7 +115,7 @@ HWY_INLINE FloatVec WindowSum(const At& at) {
   return hn::Add(even, odd);
 }
 
-/// The window down the columns: out[r] = sum_k Tap(k) in[r + k], kGroup rows at once.
+/// Applies the window down the columns: out[r] = sum_k Tap(k) in[r + k], kGroup rows at once.
 HWY_INLINE void FilterColumns(const float* const* in, int i, FloatVec* out) {
   const FloatTag d;
   FloatVec rows[kGroupInputs];
@@ -133,11 +133,11 @@ HWY_INLINE FloatVec LanesFrom(const __m512i* vectors) {
 }
 #endif
 
-/// The window along a row of interleaved pixels: sum_k Tap(k) in[i + 3 k], `in` at a whole vector.
+/// Applies the window along a row of interleaved pixels: sum_k Tap(k) in[i + 3 k], `in` at a whole vector.
 HWY_INLINE FloatVec FilterRow(const float* HWY_RESTRICT in) {
   const FloatTag d;
 #if HWY_TARGET <= HWY_AVX3
-  // Nearly every load at an odd place would cross a cache line, and take twice as long as a shift of two vectors.
+  // Nearly every load at an odd offset would cross a cache line and take twice as long as a shift of two vectors.
   const __m512i vectors[3] = {_mm512_load_si512(in), _mm512_load_si512(in + 16), _mm512_load_si512(in + 32)};
   const FloatVec at[kTaps] = {LanesFrom<0>(vectors),  LanesFrom<3>(vectors),  LanesFrom<6>(vectors),
                               LanesFrom<9>(vectors),  LanesFrom<12>(vectors), LanesFrom<15>(vectors),
@@ -245,7 +245,7 @@ HWY_INLINE void GradientVector(const Scratch& s, const float* const (*rows)[kGro
   }
 }
 
-/// Step 4: the gradient of rows y0 + first ... + kGroup - 1, as far as they are the tile's.
+/// Step 4: the gradient of rows y0 + first ... + kGroup - 1 that belong to the tile.
 HWY_INLINE void GradientGroup(const Images& images, const Tile& tile, int first, const Scratch& s) {
   const FloatTag d;
   const float* rows[Scratch::kCoefficients][kGroupInputs];

@@ -16,7 +16,7 @@ inline constexpr int kGroup = 4;           ///< rows that the vertical filter ma
 inline constexpr int kStride = 57 * 16;    ///< floats a buffered row; an odd number of cache lines
 static_assert(kStride >= (kMaxTileWidth + 4 * kRadius) * 3 + 64, "a row, and what the last vector reads past it");
 
-/// Pointers to row-major planes, colors interleaved. A null pointer means: confidence 1, no such output.
+/// Pointers to row-major planes, colors interleaved. A null confidence is 1 everywhere; a null output is not computed.
 struct Images {
   int width = 0, height = 0;
   const float* render = nullptr;      ///< [H,W,3]
@@ -39,7 +39,7 @@ struct TileSums {
   double dssim = 0;  ///< (1 - S) U
 };
 
-/// What one tile needs while it is worked on. Contents need not survive from tile to tile.
+/// Scratch of one tile. Contents need not survive from tile to tile.
 struct Scratch {
   enum Plane { kRender, kTarget, kSquares, kProduct, kConfidence, kInputPlanes };
   enum Coefficient { kMean, kVariance, kCovariance, kCoefficients };
@@ -52,7 +52,7 @@ struct Scratch {
   alignas(64) float ssim[kStride];                                ///< as coefficient
 };
 
-/// Value, and the outputs asked for, of one tile. Writes only the tile's pixels.
+/// Returns the sums of one tile and writes the requested outputs, only at the tile's pixels.
 TileSums RunTile(const Images& images, const Tile& tile, Scratch* scratch);
 
 }  // namespace oraclegs::photometric

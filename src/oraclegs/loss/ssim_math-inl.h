@@ -20,12 +20,12 @@ namespace oraclegs::HWY_NAMESPACE {
 namespace oraclegs::cuda {
 #endif
 
-/// Means and second moments of a window; x is the render, y the target. Of both variances the SSIM needs only the sum.
+/// Means and second moments of a window; x is the render, y the target. SSIM needs only the sum of the variances.
 template <class F>
 struct SsimMoments {
   F x, y;
-  F squares;  ///< of x^2 + y^2
-  F product;  ///< of x y
+  F squares;  ///< mean of x^2 + y^2
+  F product;  ///< mean of x y
 };
 
 /// S of a window. Half of its derivative by a render's pixel x of weight 1 in the window is mean + variance x +

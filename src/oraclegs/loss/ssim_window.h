@@ -1,5 +1,5 @@
 #pragma once
-// The window and the constants of SSIM (docs/method.md#ssim), as every device's kernel uses them.
+// Window and constants of SSIM (docs/method.md#ssim) for the kernels of every device.
 
 namespace oraclegs {
 

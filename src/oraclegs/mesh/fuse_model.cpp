@@ -97,7 +97,7 @@ TsdfBlocks BlocksAt(ViewSource* source, double voxel, double truncation) {
   return blocks;
 }
 
-/// The blocks for the size that was asked for, or for one that gives a mesh of a size that viewers open.
+/// Blocks for the requested voxel size, or for one that gives a mesh of a size that viewers open.
 TsdfBlocks DecideBlocks(ViewSource* source, const DepthScale& scale, const MeshOptions& options) {
   double voxel = options.voxel.is_auto() ? scale.footprint : options.voxel.value() / options.unit;
   if (voxel < kMinFootprintShare * scale.footprint) {

@@ -1,5 +1,5 @@
 #pragma once
-// A triangle mesh of what a model of Gaussians shows.
+// Triangle mesh of the surfaces that a model of Gaussians shows.
 
 #include <string>
 #include <vector>
@@ -17,7 +17,7 @@ struct MeshOptions {
   int renders = 60;
   double adaptivity = 0.1;
   double min_part = 0.001;
-  double unit = 1;  ///< of the scene, in those of the mesh: what the mesh and the lengths above are multiplied by
+  double unit = 1;  ///< length of a scene unit in mesh units, a factor of the mesh; lengths above are in mesh units
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
@@ -35,19 +35,17 @@ struct MeshOptions {
   }
 };
 
-/// The cameras, and others on the smooth path through them in the order in which they lie beside each other, up to
-/// `count` in all.
+/// The cameras, and further ones on the smooth path through them in NearestOrder, up to `count` in all.
 std::vector<Camera> MeshCameras(const std::vector<Camera>& cameras, int count);
 
 struct FusedMesh {
   TriangleMesh mesh;      ///< with normals and colors; empty when the renders show no surface
-  double voxel = 0;       ///< units of the mesh, decided
-  double truncation = 0;  ///< likewise
+  double voxel = 0;       ///< voxel side that was used, units of the mesh
+  double truncation = 0;  ///< truncation that was used, units of the mesh
 };
 
-/// Renders depth and color from MeshCameras, fuses the depth in a truncated signed distance, takes its surface and
-/// colors the vertices with the means of what the renders show there. Renders each view three times and keeps
-/// none.
+/// Renders depth and color from MeshCameras, fuses the depth in a truncated signed distance, extracts its surface and
+/// colors the vertices with the means of the rendered colors there. Renders each view three times and stores none.
 /// Throws UsageError for voxels so small that the machine's memory does not hold them, with a size that fits.
 FusedMesh FuseModel(const Gaussians& gaussians, const RenderOptions& render, const std::vector<Camera>& cameras,
                     const MeshOptions& options, const Listener& listener);

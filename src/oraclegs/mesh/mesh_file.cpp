@@ -59,7 +59,7 @@ enum GltfNumber { kGltfFloat = 5126, kGltfUnsignedShort = 5123, kGltfUnsignedInt
 /// Views and accessors of a binary buffer.
 class GltfBuffer {
  public:
-  /// Adds the accessor of what was put since the last call. `target`: 34962 vertices, 34963 indices.
+  /// Adds the accessor of the bytes appended since the last call. `target`: 34962 vertices, 34963 indices.
   nlohmann::json& Add(size_t count, GltfNumber number, const char* type, int target) {
     views_.push_back(
         {{"buffer", 0}, {"byteOffset", begin_}, {"byteLength", bytes_.size() - begin_}, {"target", target}});
@@ -141,7 +141,7 @@ std::string GlbBytes(const TriangleMesh& mesh, const Eigen::Vector3d& up, const 
   return bytes;
 }
 
-/// The number after a word of the header; nothing when it is not there.
+/// The number after a word of the header; nullopt when it is not there.
 std::optional<uint64_t> CountAfter(std::string_view header, std::string_view word) {
   const size_t at = header.find(word);
   if (at == std::string_view::npos) return std::nullopt;
@@ -152,7 +152,7 @@ std::optional<uint64_t> CountAfter(std::string_view header, std::string_view wor
   return count;
 }
 
-/// Lines of the header behind the one that names the program, up to the vertices.
+/// Comment lines of the header, between the one that names the program and the vertices.
 std::string_view CommentsOf(std::string_view header) {
   constexpr std::string_view kProgram = "comment oraclegs mesh\n";
   const size_t program = header.find(kProgram), vertices = header.find("element vertex ");

@@ -15,8 +15,8 @@ constexpr float kMaxBendOfSlope = 0.6f;  // of the change to the neighbor that d
 constexpr int kViewReach = 2;            // pixels, of normals
 constexpr int64_t kViewRows = 8;         // rows a task
 
-/// Where inverse depth bends, against the plane through both neighbors: by much, and by as much as it changes. A floor
-/// at a grazing angle changes more than it bends.
+/// Whether inverse depth bends, relative to the line through both neighbors, by much and by as much as it changes. A
+/// floor at a grazing angle changes more than it bends.
 bool IsEdge(const float* at, int64_t stride) {
   const float before = at[-stride], here = *at, after = at[stride];
   if (before <= 0 || after <= 0) return true;
@@ -24,7 +24,7 @@ bool IsEdge(const float* at, int64_t stride) {
   return bend > kMaxBend * here && bend > kMaxBendOfSlope * std::max(std::abs(here - before), std::abs(after - here));
 }
 
-/// 1 for pixels of the inside of a smooth surface: on no edge of depth, nor on the border of the image.
+/// Mask of the inside of smooth surfaces: 1 for pixels on no edge of depth and not on the border of the image.
 std::vector<uint8_t> SmoothPixels(const RenderedSurface& surface) {
   const int64_t width = surface.camera.width, height = surface.camera.height;
   std::vector<uint8_t> smooth(surface.inv_depth.size());

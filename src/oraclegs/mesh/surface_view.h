@@ -1,5 +1,5 @@
 #pragma once
-// What one render says about surfaces: which of its pixels can be believed, and how much.
+// Surface measurements of one render: the pixels to trust, and their weights.
 
 #include "oraclegs/render/surface.h"
 
@@ -7,13 +7,12 @@ namespace oraclegs {
 
 struct SurfaceView {
   RenderedSurface surface;
-  std::vector<float> weights;  ///< [H*W], 0 = not believed
+  std::vector<float> weights;  ///< [H*W], 0 = not trusted
   Buffer<float> image;         ///< [H,W,3] on the host
 };
 
-/// A pixel is believed when the surface there is opaque, known, not seen at a grazing angle, and neither on an edge of
-/// depth, where near and far mix, nor beside one. Its weight is the cosine of that angle over squared depth: what it
-/// says about the place.
+/// A pixel is trusted when its surface is opaque, known, not seen at a grazing angle, and neither on an edge of depth,
+/// where near and far mix, nor beside one. Its weight is the cosine of the angle to the normal over squared depth.
 SurfaceView SurfaceViewOf(const RenderOutput& render, const Camera& camera);
 
 }  // namespace oraclegs

@@ -6,14 +6,14 @@
 namespace oraclegs {
 namespace {
 
-/// Its length is twice the area.
+/// Normal of the triangle; its length is twice the area.
 Eigen::Vector3f CrossOf(const TriangleMesh& mesh, const std::array<uint32_t, 3>& triangle) {
   const Eigen::Vector3f &a = mesh.positions[triangle[0]], &b = mesh.positions[triangle[1]],
                         &c = mesh.positions[triangle[2]];
   return (b - a).cross(c - a);
 }
 
-/// Which vertices hang together.
+/// Connected components of the vertices.
 class VertexParts {
  public:
   explicit VertexParts(size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }

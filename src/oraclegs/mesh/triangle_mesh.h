@@ -15,11 +15,11 @@ struct TriangleMesh {
   std::vector<std::array<uint32_t, 3>> triangles;  ///< indices of positions
 };
 
-/// Normals of the vertices: means of their triangles', weighted by area.
+/// Sets the normals of the vertices: means of their triangles', weighted by area.
 void SetNormals(TriangleMesh* mesh);
 
-/// The mesh without its parts that are not connected to a part of at least `min_share` of the whole area, and without
-/// vertices that no triangle uses.
+/// The mesh without connected parts of less than `min_share` of the whole area, and without vertices that no triangle
+/// uses.
 TriangleMesh WithoutSmallParts(const TriangleMesh& mesh, double min_share);
 
 }  // namespace oraclegs

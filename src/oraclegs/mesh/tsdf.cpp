@@ -26,18 +26,18 @@ uint64_t KeyOf(const Eigen::Vector3d& point, double block) {
   return key;
 }
 
-/// How a voxel's center is seen by a view.
+/// A view's observation of a voxel's center.
 struct VoxelInView {
   float distance;  // along the normal to the surface on the line of sight; positive before it
   float weight;
 };
 
-/// Looks up the surface between pixel centers; on its border, that of the nearest pixel.
+/// Interpolates the surface between pixel centers; on its border takes the nearest pixel.
 class SurfaceSampler {
  public:
   explicit SurfaceSampler(const SurfaceView& view) : view_(view), width_(view.surface.camera.width) {}
 
-  /// Weight 0 where nothing is believed.
+  /// Observation along a ray; weight 0 where no pixel is trusted.
   VoxelInView At(const Eigen::Vector3f& ray, float u, float v, float z) const {
     const size_t nearest = Index(static_cast<int>(u), static_cast<int>(v));
     const float weight = view_.weights[nearest];
@@ -159,7 +159,7 @@ void TsdfVolume::Integrate(const SurfaceView& view) {
   ParallelBlocks(static_cast<int64_t>(blocks_.size()), kBlocksATask, [&](int64_t begin, int64_t end) {
     for (int64_t b = begin; b < end; ++b) {
       const auto& block = blocks_[static_cast<size_t>(b)];
-      // In double up to here: a scene may lie far from its origin.
+      // In double so far: a scene may be far from its origin.
       const Eigen::Vector3d corner(block[0], block[1], block[2]);
       const Eigen::Vector3f origin =
           (camera.cam_from_world * Eigen::Vector3d(corner * kBlockSide * voxel_)).cast<float>();

@@ -11,7 +11,7 @@ namespace {
 constexpr int64_t kVerticesATask = 4096;
 constexpr uint8_t kUnseenGray = 128;
 
-/// Between pixel centers.
+/// Bilinear sample between pixel centers.
 Eigen::Vector3f ColorAt(const Buffer<float>& image, float u, float v) {
   const auto width = static_cast<int>(image.size(1)), height = static_cast<int>(image.size(0));
   const float x = std::clamp(u - 0.5f, 0.f, static_cast<float>(width - 1));

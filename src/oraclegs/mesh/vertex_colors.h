@@ -11,14 +11,14 @@ namespace oraclegs {
 /// Means of the colors that views show at the vertices of a mesh.
 class VertexColors {
  public:
-  /// `mesh` has normals and must live as long; `tolerance`: a vertex so far behind the surface that a view shows is
-  /// hidden from it, scene units.
+  /// Takes a mesh with normals, which must outlive this. tolerance: distance behind a view's surface from which a
+  /// vertex is hidden from it, scene units.
   VertexColors(const TriangleMesh& mesh, double tolerance);
 
-  /// Weighted as depth is (surface_view.h).
+  /// Adds a view, weighted as its depth (surface_view.h).
   void Add(const SurfaceView& view);
 
-  /// sRGB of each vertex; of those that no view shows, gray.
+  /// sRGB of each vertex; gray where no view shows it.
   std::vector<std::array<uint8_t, 3>> Colors() const;
 
  private:

@@ -37,7 +37,7 @@ std::vector<Camera> WithPoses(const Camera& like, const std::vector<Eigen::Isome
   return cameras;
 }
 
-/// The training cameras as directions and distances from what they look at.
+/// The training cameras as directions and distances from the point they look at.
 class Shell {
  public:
   explicit Shell(const std::vector<Camera>& train)
@@ -73,7 +73,7 @@ class Shell {
   }
 
  private:
-  /// As far as the views of this side are: rooms and tables are not round.
+  /// Weighted mean distance of the views in this direction, since rooms and tables are not round.
   double DistanceTowards(const Vector3d& direction) const {
     double sum = 0, weights = 0;
     for (size_t i = 0; i < directions_.size(); ++i) {
@@ -93,7 +93,7 @@ class Shell {
   bool inwards_ = true;
 };
 
-/// Length along a path through cameras, from center to center; of cameras in one place the angle turned.
+/// Length along a path through cameras, from center to center; the angle turned for a pure rotation.
 class PathLength {
  public:
   PathLength(const std::vector<Camera>& train, const std::vector<size_t>& order) {
@@ -114,7 +114,7 @@ class PathLength {
 
   double total() const { return lengths_.back(); }
 
-  /// The place of PoseAlong that lies `length` along the path, but not on a camera.
+  /// Parameter of PoseAlong at `length` along the path, moved off the cameras.
   double Place(double length, double spacing) const {
     const double kept = OffTheCameras(length, spacing);
     const auto above = std::upper_bound(lengths_.begin() + 1, lengths_.end() - 1, kept);
@@ -182,7 +182,7 @@ std::vector<Eigen::Isometry3d> SpiralAroundMean(const std::vector<Camera>& train
     const double t = (i + 0.5) / count, angle = kTwoPi * kSpiralTurns * t;
     const Vector3d offset(spread.x() * std::cos(angle), spread.y() * std::sin(angle), spread.z() * std::sin(angle / 2));
     const Vector3d center = pose.inverse() * offset;
-    // Parallel axes meet nowhere: what they look at is then as far away as LookedAt guesses, ahead of the mean.
+    // Parallel axes do not intersect: the focus is then as far ahead of the mean as LookedAt guesses.
     const double ahead = std::max((subject.center - mean).dot(MeanForward(train)), 2 * widest);
     poses.push_back(LookAt(center, mean + ahead * MeanForward(train), up));
   }

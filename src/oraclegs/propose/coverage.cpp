@@ -13,10 +13,10 @@ namespace {
 constexpr float kNewAngle = 10 * std::numbers::pi_v<float> / 180;
 constexpr double kNothing = 1e-6;  // points: what the sums of gains round
 
-/// The weight of a point that was seen from a direction of this cosine to the camera's.
+/// Weight of a point. cosine: of the angle between the camera's direction to it and the nearest one so far.
 double Newness(float cosine) { return 1 - std::exp(-std::acos(std::clamp(cosine, -1.f, 1.f)) / kNewAngle); }
 
-/// What a camera sees, and from where.
+/// Points that a camera sees, with their directions.
 struct View {
   std::vector<int> seen;                    // ascending
   std::vector<Eigen::Vector3f> directions;  // from the camera to each of them, unit
@@ -37,7 +37,7 @@ View ViewOf(const std::vector<DensePoint>& points, const Camera& camera) {
   return view;
 }
 
-/// Updates the gain where `other` saw a point from a nearer direction; most were seen from nearer before.
+/// Lowers the gain of `view` for points that `other` saw from a nearer direction than any view before.
 void Account(const View& other, View* view) {
   size_t j = 0;
   for (size_t i = 0; i < view->seen.size(); ++i) {
@@ -63,7 +63,7 @@ std::vector<size_t> ChooseByCoverage(const std::vector<DensePoint>& points, cons
     view = ViewOf(points, candidates[static_cast<size_t>(task)]);
     for (const View& k : known) Account(k, &view);
   });
-  // A gain only shrinks as more is chosen: the largest one that is up to date is the largest of all.
+  // Gains only shrink as more is chosen: the largest one that is up to date is the largest of all.
   std::vector<size_t> chosen;
   std::vector<bool> taken(candidates.size(), false);
   while (static_cast<int>(chosen.size()) < count) {

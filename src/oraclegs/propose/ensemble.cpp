@@ -14,7 +14,7 @@ constexpr float kMinAlphaForDepth = 0.5f;
 constexpr size_t kMinValuesForTrim = 4;
 constexpr int64_t kBlock = 4096;  // pixels
 
-/// What one member shows.
+/// Render of one member.
 struct Render {
   std::vector<float> rgb, inv_depth;
 };
@@ -32,7 +32,7 @@ Render ToRender(const RenderOutput& out) {
   return render;
 }
 
-/// The mean of all, or of all but the smallest and the largest.
+/// Mean of the values, without the smallest and the largest where there are four or more.
 float TrimmedMean(std::vector<float>* values) {
   std::sort(values->begin(), values->end());
   const size_t trim = values->size() >= kMinValuesForTrim ? 1 : 0;

@@ -1,5 +1,5 @@
 #pragma once
-// Proposals from an ensemble: what proxy models, trained quickly on the training views, show in a new view
+// Proposals from an ensemble: renders of a new view by proxy models, trained quickly on the training views
 // (docs/method.md#proxy-models).
 
 #include <array>
@@ -13,16 +13,16 @@
 
 namespace oraclegs {
 
-/// A member of the ensemble: a quickly trained model that some training views were held out from at first.
+/// A member of the ensemble: a quickly trained model; some training views were held out in its first phase.
 struct ProxyModel {
   Gaussians before;           ///< before training with all views: the leave-k-out model
-  Gaussians gaussians;        ///< after it
+  Gaussians gaussians;        ///< after training with all views
   std::vector<int> held_out;  ///< indices of training views
 };
 
 /// Proposer "splat": the mean of the members' renders (without the most extreme values where there are four or more),
-/// and how much they differ. A held-out view is shown by the leave-k-out models that were trained without it; nothing
-/// when there is none.
+/// and their spread. A held-out view is rendered by the leave-k-out models that were trained without it; nullopt when
+/// there is none.
 class EnsembleProposer : public Proposer {
  public:
   EnsembleProposer(std::vector<ProxyModel> members, RenderOptions render);
@@ -36,8 +36,8 @@ class EnsembleProposer : public Proposer {
   std::unique_ptr<Rasterizer> rasterizer_;
 };
 
-/// The views that are held out from member `member` of `members`: every members-th, beginning with that index; each
-/// view is held out from exactly one. None from a single member.
+/// The views that are held out from member `member` of `members`: every members-th, beginning with that index, so that
+/// each view is held out from exactly one. Empty for a single member.
 std::vector<int> HeldOutViews(int views, int members, int member);
 
 }  // namespace oraclegs

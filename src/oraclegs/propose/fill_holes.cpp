@@ -14,7 +14,7 @@ struct Level {
   std::vector<float> color, weight;  // colors are not multiplied by their weight
 };
 
-/// Half the size: each pixel the weighted mean of the four below it, with their summed weight, at most 1.
+/// Level of half the size: each pixel is the weighted mean of the four below it, with their summed weight, at most 1.
 Level Pushed(const Level& fine, int channels) {
   Level coarse;
   coarse.width = (fine.width + 1) / 2, coarse.height = (fine.height + 1) / 2;
@@ -36,8 +36,8 @@ Level Pushed(const Level& fine, int channels) {
   return coarse;
 }
 
-/// Mixes what the finer level lacks from the coarser one, which is whole, by linear interpolation between pixel
-/// centers.
+/// Mixes the coarser level, which has no holes, into the finer one as far as its weights are below 1; linear
+/// interpolation between pixel centers.
 void Pull(const Level& coarse, int channels, Level* fine) {
   for (int y = 0; y < fine->height; ++y) {
     const float v = (static_cast<float>(y) + 0.5f) / 2 - 0.5f;

@@ -1,5 +1,5 @@
 #pragma once
-// What a warp leaves open: depth that no view knows, colors that no view shows.
+// Holes of a warp: unknown depths and colors.
 
 #include <cstdint>
 #include <vector>
@@ -9,14 +9,13 @@
 namespace oraclegs {
 
 /// Gives the pixels with to_fill 1 an inverse depth, ring by ring from those that have one (> 0): the far quartile of
-/// the known ones in the 5x5 pixels around, for what opens beside a foreground is what lies behind it. Returns each
+/// the known ones in the 5x5 pixels around, since a hole beside a foreground shows what is behind it. Returns each
 /// pixel's ring: 0 = was not filled; width + height where nothing could be reached.
 std::vector<float> FillDepth(int width, int height, const std::vector<uint8_t>& to_fill, std::vector<float>* inv_depth);
 
 /// Gives the pixels of weight 0 smooth colors from the others around them, near ones first: colors are averaged by
-/// weight down a pyramid and pulled back up into what is missing [Gortler 1996]. A
-/// pixel of weight 1 or more keeps its color, one between is mixed. weight is height * width, >= 0; where all are zero
-/// the image stays as it is.
+/// weight down a pyramid and interpolated back up into the holes [Gortler 1996]. A pixel of weight 1 or more keeps its
+/// color, one between is mixed. weight is height * width, >= 0; where all are zero the image is unchanged.
 void PushPull(const std::vector<float>& weight, ImageF* image);
 
 }  // namespace oraclegs

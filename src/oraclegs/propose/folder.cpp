@@ -33,8 +33,8 @@ bool SameShape(int width, int height, int other_width, int other_height, double 
   return std::abs(ratio - 1) <= tolerance;
 }
 
-/// The camera of the part of a view that an image of another shape shows: as generators fit images to their sizes, the
-/// view was scaled until it covered the image, and what stood over was cropped evenly. At the view's resolution.
+/// Camera of the part of a view that an image of another shape shows, at the view's resolution. Generators fit images
+/// to their sizes by scaling the view until it covers the image and cropping the rest evenly.
 Camera CenterCrop(const Camera& view, const Image8& image) {
   const double scale =
       std::max(static_cast<double>(image.width) / view.width, static_cast<double>(image.height) / view.height);
@@ -48,7 +48,7 @@ Camera CenterCrop(const Camera& view, const Image8& image) {
   return crop;
 }
 
-/// A camera from a file at the size that the run works at.
+/// Camera of a file, scaled to the size that the run works at.
 Camera AtWorkingSize(const Camera& camera, const FolderRequest& request) {
   if (SameShape(camera.width, camera.height, request.width, request.height)) {
     return Resized(camera, request.width, request.height);
@@ -82,7 +82,7 @@ bool IsGray(const Image8& image) {
   return true;
 }
 
-/// What became of one image.
+/// Result of loading one image.
 struct Loaded {
   std::optional<Proposal> proposal;
   bool cropped = false;  // it shows the middle of its view only
@@ -91,7 +91,7 @@ struct Loaded {
   const char* confidence_lost = nullptr;  // why a confidence file is not used
 };
 
-/// The middle of `map`, as large as fits, in the shape of `image`.
+/// Largest centered part of `map` in the shape of `image`.
 Image8 MiddleOf(const Image8& map, const Image8& image) {
   const double scale =
       std::max(static_cast<double>(image.width) / map.width, static_cast<double>(image.height) / map.height);
@@ -105,7 +105,7 @@ Image8 MiddleOf(const Image8& map, const Image8& image) {
   return middle;
 }
 
-/// `whole`: the camera of the view that the image may be the middle of.
+/// Loads the confidence of `image` into `loaded`. `whole`: camera of the view that the image may be the middle of.
 void LoadConfidence(const std::filesystem::path& file, const Image8& image, const Camera& whole, Loaded* loaded) {
   const Camera& camera = loaded->proposal->camera;
   try {

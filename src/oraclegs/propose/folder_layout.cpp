@@ -40,7 +40,7 @@ bool IsBelow(const fs::path& dir, const fs::path& file) {
   return !relative.empty() && *relative.begin() != "..";
 }
 
-/// Sorted paths of what stands in a folder.
+/// Sorted paths of a folder's entries.
 std::vector<fs::path> Entries(const fs::path& dir) {
   std::vector<fs::path> paths;
   std::error_code error;
@@ -64,7 +64,7 @@ bool IsSyntheticName(const std::string& name) {
          std::all_of(name.begin() + kStart.size(), name.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
 }
 
-/// The folder synthetic_N that is meant.
+/// The folder synthetic_N of `dir`: `dir` itself, or the only such folder in it.
 fs::path SyntheticFolder(const fs::path& dir) {
   if (IsSyntheticName(dir.filename().string())) return dir;
   std::vector<std::string> found;
@@ -88,7 +88,7 @@ using Views = std::vector<const Target*>;
 
 std::string Stem(const std::string& view) { return FileName(fs::path(view).filename().string()); }
 
-/// Which of the scene's views an image's name stands for.
+/// Finds the scene's views by the name of an image.
 class ViewNames {
  public:
   explicit ViewNames(const FolderRequest& request) {
@@ -102,12 +102,13 @@ class ViewNames {
     }
   }
 
-  /// A file name that a test view has, too, is one: only the whole path distinguishes train/r_0.png and test/r_0.png.
+  /// Whether the image is a test view's. A file name shared with a test view counts: only the whole path distinguishes
+  /// train/r_0.png and test/r_0.png.
   bool IsTest(const std::string& image) const {
     return test_.count(FileName(image)) > 0 ||
            (dataset_.count(FileName(image)) == 0 && test_stems_.count(Stem(image)) > 0);
   }
-  /// Views by whole path if one has that, or else by file name alone.
+  /// Views of that whole path; if there are none, those of that file name.
   Views Dataset(const std::string& image) const {
     const auto whole = dataset_.find(FileName(image)), stem = dataset_stems_.find(Stem(image));
     if (whole != dataset_.end()) return whole->second;
@@ -119,7 +120,8 @@ class ViewNames {
   std::map<std::string, Views> dataset_, dataset_stems_;
 };
 
-/// confidence_dir/NAME.png, with NAME the path below the folder or the file's name alone; empty when there is none.
+/// Path confidence_dir/NAME.png, with NAME the path below the folder or the file's name alone; empty when there is
+/// none.
 fs::path FindConfidence(const fs::path& confidence_dir, const std::string& shown) {
   if (confidence_dir.empty()) return {};
   fs::path whole = ViewName(shown);
@@ -213,7 +215,7 @@ fs::path IfFolder(const fs::path& dir) { return IsFolder(dir) ? dir : fs::path()
 }  // namespace
 
 FolderContent FindFolderImages(const fs::path& given, const FolderRequest& request) {
-  // "synthetic_12/" and "." have names, too.
+  // The absolute path gives "synthetic_12/" and "." their names.
   std::error_code error;
   fs::path dir = fs::absolute(given, error).lexically_normal();
   if (!dir.has_filename()) dir = dir.parent_path();

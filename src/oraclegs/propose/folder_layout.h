@@ -1,5 +1,5 @@
 #pragma once
-// Which images a folder of proposals holds, before any is decoded.
+// Images of a folder of proposals, before any is decoded.
 
 #include <array>
 #include <filesystem>
@@ -13,35 +13,35 @@
 namespace oraclegs {
 
 struct FolderRequest {
-  std::vector<Camera> train;    ///< at least one; their distances say when two poses are one (SamePlace)
+  std::vector<Camera> train;    ///< at least one; their distances define when two poses are the same (SamePlace)
   std::vector<Target> test;     ///< test views, named like their images ("left/0001.jpg")
-  std::vector<Target> dataset;  ///< posed views that are no test views, the same; what proposals may be named after
-  int width = 0, height = 0;    ///< of the training images at working resolution
+  std::vector<Target> dataset;  ///< posed views except test views, named likewise; proposals may be named after them
+  int width = 0, height = 0;    ///< size of the training images at working resolution
   std::array<float, 3> background{};  ///< RGB in [0, 1], behind transparent pixels
-  Similarity placement{};             ///< the cameras' coordinates above from those of the folder's poses
+  Similarity placement{};             ///< from the coordinates of the folder's poses to those of the cameras above
 };
 
 /// An image that may become a proposal.
 struct FolderImage {
-  std::string name;                  ///< as FileName makes it
-  std::string shown;                 ///< its path below the folder
-  std::filesystem::path file;        ///< exists
+  std::string name;                  ///< from FileName
+  std::string shown;                 ///< path below the folder, for messages
+  std::filesystem::path file;        ///< existing file
   std::filesystem::path confidence;  ///< empty when there is none
-  Camera camera;                     ///< of any size with the right shape
+  Camera camera;                     ///< camera of any size with the image's shape
 };
 
 inline constexpr const char* kUnreadableImage = "they cannot be read; copy them again as PNG or JPEG";
 
-/// Why images are skipped, and which: text -> names. The text ends in how to fix it.
+/// Skipped images by reason: text -> names. The text ends in how to fix it.
 using SkippedImages = std::map<std::string, std::vector<std::string>>;
 
 struct FolderContent {
   std::filesystem::path images_dir, confidence_dir;  ///< the latter empty when there is none
-  std::vector<FolderImage> images;                   ///< poses are not yet compared with the test views'
+  std::vector<FolderImage> images;                   ///< poses are not yet compared with test poses
   SkippedImages skipped;
 };
 
-/// Throws InputError as ReadProposalFolder says.
+/// Finds the folder's images. Throws InputError as ReadProposalFolder.
 FolderContent FindFolderImages(const std::filesystem::path& dir, const FolderRequest& request);
 
 }  // namespace oraclegs

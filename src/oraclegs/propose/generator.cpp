@@ -24,7 +24,7 @@ std::string QuotedForShell(const std::string& text) {
   return quoted + "'";
 }
 
-/// Reports how many images there are, not too often.
+/// Reports the number of answered images at intervals.
 class AnswerProgress {
  public:
   AnswerProgress(const GeneratorPaths& paths, const std::vector<Target>& targets, const Listener& listener)

@@ -1,5 +1,5 @@
 #pragma once
-// --generator: a program of the user's that generates the views of all targets.
+// --generator: a user's program that generates the views of all targets.
 
 #include <filesystem>
 #include <string>
@@ -10,22 +10,22 @@
 
 namespace oraclegs {
 
-/// The source of its proposals, and their folder.
+/// Source of its proposals, and name of their folder.
 inline constexpr const char* kGeneratorSource = "command";
 
 struct GeneratorRun {
-  std::string command;              ///< for sh; {request} and {answer} stand for the two folders
+  std::string command;              ///< for sh; {request} and {answer} are replaced by the two folders
   int timeout = 0;                  ///< seconds, 0 = none
-  std::filesystem::path proposals;  ///< folder of the workspace
+  std::filesystem::path proposals;  ///< proposals folder of the workspace
 };
 
-/// The command with the folders' names in place of {request} and {answer}, quoted for sh.
+/// The command with {request} and {answer} replaced by the folders, quoted for sh.
 std::string FilledCommand(const std::string& command, const GeneratorPaths& paths);
 
-/// Runs the command, in this process's working directory and with the folders also in ORACLEGS_REQUEST and
-/// ORACLEGS_ANSWER, on the request that lies in proposals/generator, and stores what it answers as
-/// proposals/command/NAME.png. Reports the images that are there as StepDone{"propose"}, with the last line that was
-/// printed. Throws RunError when the command fails or takes too long, and as ReadAnswers.
+/// Runs the command on the request in proposals/generator, in this process's working directory and with the folders
+/// also in ORACLEGS_REQUEST and ORACLEGS_ANSWER, and stores its answers as proposals/command/NAME.png. Reports the
+/// number of answers as StepDone{"propose"}, with the last line that the command printed. Throws RunError when the
+/// command fails or takes too long, and as ReadAnswers.
 void RunGenerator(const GeneratorRun& run, const std::vector<Target>& targets, const Listener& listener);
 
 /// Removes request, answers and stored images.

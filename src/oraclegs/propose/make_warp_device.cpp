@@ -13,9 +13,9 @@
 namespace oraclegs {
 namespace {
 
-/// The depths that fall on each pixel, pixel by pixel.
+/// Samples of each pixel, pixel by pixel.
 struct SampleLists {
-  std::vector<size_t> begin;  ///< of each pixel, and the end
+  std::vector<size_t> begin;  ///< begin of each pixel's samples, and the end of all
   std::unique_ptr<WarpSample[]> samples;
 };
 
@@ -48,7 +48,7 @@ SampleLists Splat(const WarpScene& scene) {
   return lists;
 }
 
-/// Each source's surest sample of a surface.
+/// Largest weight of each source among a surface's samples.
 class CountedVotes {
  public:
   explicit CountedVotes(int sources) : votes_(static_cast<size_t>(sources)) {}
@@ -65,7 +65,7 @@ class CountedVotes {
   std::vector<float> votes_;
 };
 
-/// One pixel after another: callers warp several views at once.
+/// Warps on the CPU, one pixel after another: callers warp several views at once.
 class CpuWarpDevice : public WarpDevice {
  public:
   WarpDepth FindSurfaces(const WarpTask& task) override {

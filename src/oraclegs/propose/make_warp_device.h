@@ -7,8 +7,8 @@
 
 namespace oraclegs {
 
-/// What warps on the named device; `sources` must outlive it. On a GPU, which becomes the current one, it keeps a copy
-/// of all images. Throws UsageError for a device this build cannot use, OutOfMemory.
+/// Makes the warp device of that name; `sources` must outlive it. On a GPU, which becomes the current one, it keeps a
+/// copy of all images. Throws UsageError for a device this build cannot use, OutOfMemory.
 std::unique_ptr<WarpDevice> MakeWarpDevice(Device device, const WarpSources& sources);
 
 }  // namespace oraclegs

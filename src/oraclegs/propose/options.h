@@ -59,15 +59,17 @@ struct ProposeOptions {
 
   ProposerChoice Choice() const { return proposers.ValueOr(ProposerChoice::kSplat); }
 
-  /// Few views show each part of an object, so its proxy models learn longer.
+  /// Fraction of the proxy models' training with all views. Few views show each part of an object, so its proxy models
+  /// learn longer.
   double ProxyFinish(bool is_object) const { return proxy_finish.ValueOr(is_object ? 0.6 : 0.4); }
 
-  /// Whether nothing but proxy models proposes.
+  /// Whether proxy models are the only proposer.
   bool ByProxiesAlone() const {
     return Choice() == ProposerChoice::kSplat && generator.empty() && proposal_folder.empty();
   }
 
-  /// Whether warp, splat or seva is among those that --proposers names, or the command of --generator is to be asked.
+  /// Whether --proposers includes `one` (warp, splat or seva), or, for the command, --generator is given and proposals
+  /// are made.
   bool Uses(ProposerChoice one) const {
     const ProposerChoice choice = Choice();
     if (one == ProposerChoice::kCommand) return choice != ProposerChoice::kNone && !generator.empty();
@@ -76,7 +78,7 @@ struct ProposeOptions {
   }
 };
 
-/// How long to wait for the command of --generator; free to differ when a run is continued.
+/// Time limit of the command of --generator; may differ when a run is continued.
 struct GeneratorLimits {
   int generator_timeout = 3600;
 

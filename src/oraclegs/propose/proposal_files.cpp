@@ -57,7 +57,7 @@ std::vector<std::string> FileNames(const std::vector<std::string>& views) {
   for (const std::string& view : views) {
     const std::string plain = FileName(view);
     std::string name = plain;
-    // A number must not make a name that another view has without one.
+    // A numbered name must not be the plain name of another view.
     for (int k = 2; taken.count(name) > 0 || (name != plain && wanted.count(name) > 0); ++k) {
       name = fmt::format("{}_{}", plain, k);
     }

@@ -10,27 +10,27 @@
 
 namespace oraclegs {
 
-/// A view's name as the name of a file without folder and extension: "left/0001.jpg" becomes "left_0001".
+/// File name of a view without folder and extension: "left/0001.jpg" becomes "left_0001".
 std::string FileName(const std::string& view);
 
-/// The same for each of them; a name that comes again gets a number ("left_0001_2"), so that no two are the same.
+/// File names of the views; a repeated name gets a number ("left_0001_2"), so that all differ.
 std::vector<std::string> FileNames(const std::vector<std::string>& views);
 
 /// Writes dir/NAME.png (8 bit RGB) for each proposal, NAME from FileNames (with "_SOURCE" where several proposals have
 /// one name), and dir/transforms.json as instant-ngp, Nerfstudio and ReadTransformsScene read it: for each frame fl_x,
-/// fl_y, cx, cy, w, h, file_path, and transform_matrix from camera to world with OpenGL's axes. The paths written,
-/// relative to dir. Poses are moved by `placement`. Throws RunError, ShapeError for an image of another size than its
-/// camera.
+/// fl_y, cx, cy, w, h, file_path, and transform_matrix from camera to world with OpenGL's axes. Poses are moved by
+/// `placement`. Returns the paths written, relative to dir. Throws RunError, ShapeError for an image of another size
+/// than its camera.
 std::vector<std::string> WriteProposals(const std::filesystem::path& dir, const std::vector<Proposal>& proposals,
                                         const Similarity& placement = {});
 
-/// Writes the transforms.json alone: what a generator is asked for. Its images belong at each file_path. Poses are
-/// moved by `placement`.
+/// Writes the transforms.json alone, the request to a generator, whose images belong at each file_path. Poses are moved
+/// by `placement`.
 std::vector<std::string> WriteTargets(const std::filesystem::path& dir, const std::vector<Target>& targets,
                                       const Similarity& placement = {});
 
-/// Reads them back, bit by bit but for the rounding of rotations. Throws InputError naming the file and the frame:
-/// missing, not JSON, no frames, bad intrinsics or pose, a camera model that is no pinhole, a name twice.
+/// Reads the targets, equal bit by bit except for the rounding of rotations. Throws InputError naming the file and the
+/// frame: missing, not JSON, no frames, bad intrinsics or pose, a camera model that is no pinhole, a repeated name.
 std::vector<Target> ReadTargets(const std::filesystem::path& dir);
 
 }  // namespace oraclegs

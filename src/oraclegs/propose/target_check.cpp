@@ -63,7 +63,7 @@ double CoveredShare(const std::vector<DensePoint>& points, const Camera& camera)
   return static_cast<double>(std::count(hit.begin(), hit.end(), true)) / (kGrid * kGrid);
 }
 
-/// Infinite when nothing is seen.
+/// Median depth of the visible points; infinite without any.
 double MedianDepth(const std::vector<DensePoint>& points, const Camera& camera) {
   std::vector<float> depths;
   for (const InImage& p : ProjectAll(points, camera)) {
@@ -80,7 +80,7 @@ double MedianDepth(const DepthMap& map) {
   return inverse.empty() ? std::numeric_limits<double>::infinity() : 1 / static_cast<double>(UpperMedian(&inverse));
 }
 
-/// How far the kInsidePoints-th nearest point is.
+/// Distance of the kInsidePoints-th nearest point.
 double ClearDistance(const std::vector<DensePoint>& points, const Camera& camera) {
   std::vector<float> squares;
   const Eigen::Vector3f center = camera.Center().cast<float>();
@@ -155,7 +155,7 @@ TargetCheck::TargetCheck(const TrajectoryRequest& request)
     clear[i] = ClearDistance(points_, camera);
     share[i] = CoveredShare(points_, camera);
   });
-  // A view taken close to something proves that a camera can stand there.
+  // A view taken close to something shows that a camera fits there.
   nearest_ = std::min(kInsideShare * *std::min_element(depth.begin(), depth.end()),
                       kOwnDistanceShare * *std::min_element(clear.begin(), clear.end()));
   // An object before a plain background covers little of the image.

@@ -1,5 +1,5 @@
 #pragma once
-// Which poses may be a target: no test pose, no training pose, not inside geometry, not into the void.
+// Poses that may be a target: no test pose, no training pose, not inside geometry, not into the void.
 
 #include <cstdint>
 #include <utility>
@@ -10,22 +10,22 @@
 
 namespace oraclegs {
 
-/// What is known of a scene when targets are chosen.
+/// Scene and settings for the choice of targets.
 struct TrajectoryRequest {
   std::vector<Camera> train;  ///< at least one; generated targets have the intrinsics of the first
   std::vector<Camera> test;   ///< never a target
   std::vector<Target> spare;  ///< posed views that are neither, named like their image ("left/0001.jpg")
-  const std::vector<DepthMap>* maps = nullptr;      ///< of the training views
-  const std::vector<DensePoint>* points = nullptr;  ///< where surfaces are
+  const std::vector<DepthMap>* maps = nullptr;      ///< depth maps of the training views
+  const std::vector<DensePoint>* points = nullptr;  ///< points on surfaces
   uint64_t seed = 0;
-  bool sees_anything = false;  ///< poses that see next to nothing of the points count, too: for generators
+  bool sees_anything = false;  ///< accepts poses that see next to nothing of the points: for generators
 };
 
-/// A thousandth of the mean distance from a training camera to the nearest other one: centers closer than this are one
-/// place. More than rounding, also for one camera.
+/// Distance below which two centers are the same place: a thousandth of the mean distance from a training camera to the
+/// nearest other one. More than rounding, also for one camera.
 double SamePlace(const std::vector<Camera>& train);
 
-/// Poses to recognize: the center within `same_place` and the rotation within 0.1 degrees.
+/// Set of poses. Two poses are equal when their centers are within `same_place` and their rotations within 0.1 degrees.
 class PoseSet {
  public:
   PoseSet(std::vector<Camera> cameras, double same_place) : cameras_(std::move(cameras)), same_place_(same_place) {}
@@ -50,7 +50,7 @@ class TargetCheck {
  public:
   explicit TargetCheck(const TrajectoryRequest& request);
 
-  /// In this order:
+  /// Verdict on a pose, the first of these that applies:
   ///   kTestPose        a test pose (PoseSet)
   ///   kKnownPose       a training pose
   ///   kInsideGeometry  five points or more lie nearer than a quarter of the smallest median depth of a training
@@ -69,10 +69,10 @@ class TargetCheck {
   bool IsInsideGeometry(const Camera& camera) const;
 
   double same_place_;
-  PoseSet test_, train_, real_;  ///< real_: where a camera stood, as the request's sees_anything may use it
+  PoseSet test_, train_, real_;  ///< real_: poses of real cameras, exempt where sees_anything is set
   std::vector<DensePoint> points_;
-  double nearest_ = 0;    ///< world units: geometry this near has the camera inside
-  double min_share_ = 0;  ///< of the grid; 0 = any
+  double nearest_ = 0;    ///< world units; nearer geometry means that the camera is inside it
+  double min_share_ = 0;  ///< least fraction of the grid; 0 = any
 };
 
 }  // namespace oraclegs

@@ -24,7 +24,7 @@ constexpr size_t kMinCoveragePoints = 1000;
 constexpr size_t kStandInPoints = 2000;
 constexpr double kStandInReach = 0.5;  // of the distance looked at
 
-/// Candidates that passed, and why the others did not.
+/// Accepted candidates, and why the others were rejected.
 struct Sifted {
   std::vector<Target> good;
   size_t total = 0, test = 0, known = 0, inside = 0, nothing = 0;
@@ -71,7 +71,7 @@ std::vector<Target> Unnamed(const std::vector<Camera>& cameras) {
   return targets;
 }
 
-/// linspace(0, n - 1, count), truncated.
+/// Targets at indices linspace(0, n - 1, count), truncated.
 std::vector<Target> EvenlyPicked(const std::vector<Target>& targets, size_t count) {
   if (targets.size() <= count) return targets;
   std::vector<Target> picked;
@@ -106,7 +106,7 @@ std::vector<Target> CandidatesOf(Trajectory trajectory, const TrajectoryRequest&
   return Unnamed(CoverageCandidates(request, count));
 }
 
-/// What the cameras look at, when no surface is known: points anywhere in there.
+/// Random points in the volume that the cameras look at, used when no surface is known.
 std::vector<DensePoint> StandInPoints(const TrajectoryRequest& request) {
   const Ball ball = LookedAt(request.train);
   Rng rng(request.seed, RandomStream::kTargets, uint64_t{1} << 32);  // beyond what the candidates draw

@@ -1,5 +1,5 @@
 #pragma once
-// Target poses, when only a few views exist.
+// Target poses where only a few views exist.
 
 #include <vector>
 
@@ -9,7 +9,8 @@
 
 namespace oraclegs {
 
-/// So many views with a pose that neither train nor test are taken as poses by the automatic trajectory.
+/// Number of posed views that are neither training nor test views from which the automatic trajectory uses them as
+/// poses.
 inline constexpr size_t kMinSpareForDataset = 4;
 
 enum class Trajectory { kDataset, kOrbit, kSpiral, kInterpolate, kCoverage };
@@ -23,7 +24,7 @@ struct EnumWords<Trajectory> {
                                                     {Trajectory::kCoverage, "coverage"}};
 };
 
-/// Poses that --proposals auto asks for: images are slow to make, renders of proxy models are not.
+/// Numbers of poses for --proposals auto: images are slow to make, renders of proxy models are not.
 inline constexpr int kUsualProposals = 32, kProxyProposals = 96;
 
 struct TrajectoryOptions {
@@ -44,13 +45,13 @@ struct TrajectoryOptions {
   }
 };
 
-/// At most options.proposals targets (kUsualProposals unless given), none of them a test pose, a training pose or the
-/// same pose twice, inside geometry or one that sees next to nothing (target_check.h). orbit, spiral and interpolate
-/// lose what is rejected; dataset picks evenly from what is usable, coverage the best of up to 4096 candidates. Names:
-/// of dataset the view's without extension, '/' as '_'; else "orbit_0000". `listener` gets one Note of how many were
-/// chosen; one Warning with counts and reasons when more than half were rejected, or that nothing is left and what to
-/// try. The same request gives the same targets. Throws UsageError for an option out of range, std::invalid_argument
-/// without training cameras.
+/// At most options.proposals targets (kUsualProposals unless given), none of them a test pose, a training pose, a
+/// duplicate, inside geometry or a pose that sees next to nothing (target_check.h). orbit, spiral and interpolate
+/// return fewer after rejections; dataset picks evenly from the usable ones, coverage the best of up to 4096
+/// candidates. Names: for dataset the view's without extension, '/' as '_'; else "orbit_0000". `listener` gets one Note
+/// with the number of targets, and one Warning when more than half were rejected (with counts and reasons) or nothing
+/// is left (with advice). Deterministic. Throws UsageError for an option out of range, std::invalid_argument without
+/// training cameras.
 std::vector<Target> ChooseTargets(const TrajectoryRequest& request, const TrajectoryOptions& options,
                                   const Listener& listener);
 

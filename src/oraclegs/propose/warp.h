@@ -1,5 +1,5 @@
 #pragma once
-// Forward warp of views into a new one by their stereo depth: the generator that needs no weights
+// Forward warp of views into a new one by their stereo depth: the generator without weights
 // (docs/method.md#warp-proposals).
 
 #include <Eigen/Core>
@@ -15,23 +15,23 @@ namespace oraclegs {
 /// Warps into any view. Safe to call from several threads at once.
 class Warper {
  public:
-  /// Works on `device`. On a GPU, surfaces and colors are found there and equal the CPU's up to rounding; holes are
-  /// filled on the CPU. Throws ShapeError for images of different sizes, and as MakeWarpDevice.
+  /// Makes a warper that works on `device`. A GPU finds surfaces and colors, equal to the CPU's up to rounding; holes
+  /// are filled on the CPU. Throws ShapeError for images of different sizes, and as MakeWarpDevice.
   explicit Warper(WarpSources sources, Device device = kCpu);
-  /// The same on a device of the caller's, which has the same sources.
+  /// Makes a warper on the caller's device, which must have these sources.
   Warper(WarpSources sources, std::unique_ptr<WarpDevice> device);
   ~Warper();
 
-  /// The view from `camera`, without the training view of index `held_out`. Depths of all views are splatted; at each
-  /// pixel the nearest surface with enough votes is taken, and missing ones are filled from the farther surroundings.
-  /// Colors come from the views that show that surface, those taken from near the ray first. Without any depth in
-  /// view the image has the background's color, and a ring of width + height everywhere.
+  /// The view from `camera`, without the training view of index `held_out`. Depths of all views are splatted; each
+  /// pixel takes the nearest surface with enough votes, and holes are filled from the farther surroundings. Colors come
+  /// from the views that show that surface, those near the ray first. Without any depth in view the image has the
+  /// background's color, and a ring of width + height everywhere.
   WarpedView Warp(const Camera& camera, std::optional<int> held_out = std::nullopt) const;
 
-  /// What Warp knows of the depth before it fills holes and looks for colors.
+  /// Depth found by Warp before it fills holes and looks for colors.
   WarpDepth Surfaces(const Camera& camera) const;
 
-  /// The exposure that colors of a view are divided by, per channel.
+  /// Exposure gain of a view, a divisor of its colors, per channel.
   Eigen::Vector3f Gain(size_t view) const {
     return sources_.gains.empty() ? Eigen::Vector3f::Ones() : sources_.gains[view];
   }
@@ -42,10 +42,10 @@ class Warper {
 
   WarpSources sources_;
   std::unique_ptr<WarpDevice> device_;
-  float nearest_ = 0, farthest_ = 0;  ///< distances of the known surfaces from the cameras
+  float nearest_ = 0, farthest_ = 0;  ///< range of the distances of known surfaces from the cameras
 };
 
-/// Proposer "warp".
+/// Proposer "warp": forward warps of the training views.
 class WarpProposer : public Proposer {
  public:
   explicit WarpProposer(const Warper& warper) : warper_(warper) {}

@@ -1,5 +1,5 @@
 #pragma once
-// The interface between what decides how a view is warped (Warper) and what works on its pixels.
+// Interface between the Warper, which plans a warp, and the device that works on its pixels.
 
 #include <Eigen/Core>
 #include <array>
@@ -12,35 +12,35 @@
 
 namespace oraclegs {
 
-/// What is known of a scene. The referenced objects must outlive whoever holds this.
+/// Views and depth of a scene. The referenced objects must outlive the holder.
 struct WarpSources {
   const std::vector<LoadedView>& views;
-  const std::vector<DepthMap>& maps;            ///< of the views, one by one
-  std::vector<Eigen::Vector3f> gains = {};      ///< their exposures, which colors are divided by; empty = all 1
+  const std::vector<DepthMap>& maps;            ///< depth maps of the views, in their order
+  std::vector<Eigen::Vector3f> gains = {};      ///< exposure gains of the views, divisors of colors; empty = all 1
   const Silhouettes* silhouettes = nullptr;     ///< null or empty: no plain background
-  std::array<float, 3> background = {0, 0, 0};  ///< color of what no view's object covers
+  std::array<float, 3> background = {0, 0, 0};  ///< color of pixels that no view's object covers
 };
 
 struct WarpedView {
-  ImageF rgb;                    ///< whole: holes are filled
-  std::vector<float> inv_depth;  ///< whole; 0 = background
+  ImageF rgb;                    ///< without holes
+  std::vector<float> inv_depth;  ///< without holes; 0 = background
   std::vector<PixelEvidence> evidence;
   std::vector<uint16_t> provenance;  ///< as in Proposal
 };
 
-/// One view to be warped.
+/// Input of the warp of one view.
 struct WarpTask {
   WarpScene scene;                  ///< without sources
   std::vector<WarpSource> sources;  ///< in the order of their numbers; images in the host's memory
 };
 
-/// What is known of a new view's pixels before they have colors, row by row.
+/// Depth of a new view's pixels before they have colors, row by row.
 struct WarpDepth {
   std::vector<float> inv_depth;  ///< 0 = unknown
   std::vector<uint8_t> beside;   ///< 1 = the ray misses the object
 };
 
-/// Safe to call from several threads at once.
+/// Warps pixels. Safe to call from several threads at once.
 class WarpDevice {
  public:
   virtual ~WarpDevice() = default;
@@ -48,8 +48,8 @@ class WarpDevice {
   /// Splats the depths of all sources and takes, at each pixel, the nearest surface that enough of them vote for.
   virtual WarpDepth FindSurfaces(const WarpTask& task) = 0;
 
-  /// The colors, evidence (but for rings) and provenance of `view`, which has room for them, and the weight of each
-  /// color in PushPull.
+  /// Fills colors, evidence (except for rings) and provenance of `view`, which has room for them. Returns the weight of
+  /// each color in PushPull.
   virtual std::vector<float> Shade(const WarpTask& task, const WarpDepth& depth, WarpedView* view) = 0;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 // The mathematics of one depth and of one pixel of the forward warp, for host and device
-// (docs/method.md#warp-proposals). What visits them in which order is the device's (warp_device.h).
+// (docs/method.md#warp-proposals). Devices choose the order of the pixels (warp_device.h).
 
 #include <algorithm>
 #include <bit>
@@ -37,13 +37,13 @@ ORACLEGS_HD inline float DegreesBetween(const Vec3f& a, const Vec3f& b) {
   return std::atan2(std::sqrt(Dot(cross, cross)), Dot(a, b)) * kDegrees;
 }
 
-/// How a warped pixel is known.
+/// Evidence for a warped pixel.
 struct PixelEvidence {
-  float support = 0;     ///< sum over the views that show the point of (0.1 + confidence), nearer ones more
-  float views = 0;       ///< how many show it
+  float support = 0;     ///< sum over the views that show the point of (0.1 + confidence); nearer views weigh more
+  float views = 0;       ///< number of views that show it
   float angle = 90;      ///< degrees between the ray and that of the nearest view that shows the point; 90 = none
-  float spread = 0;      ///< RMS difference of the views' colors there
-  float confidence = 0;  ///< of the depth, in the most confident view
+  float spread = 0;      ///< RMS difference of the views' colors
+  float confidence = 0;  ///< confidence of the depth, in the most confident view
   float conflicts = 0;   ///< summed confidence of views that look through the point
   float occluded = 0;    ///< summed confidence of views in which something stands before it
   float ring = 0;        ///< pixels to the nearest one whose depth was warped, 0 for those
@@ -59,23 +59,23 @@ struct WarpSource {
   const uint8_t* mask = nullptr;         ///< [H,W], 1 = used; null: all are
   const uint8_t* near_object = nullptr;  ///< [H,W], SilhouetteMask::grown; null: there are no silhouettes
   int width = 0, height = 0;
-  int number = 0;           ///< of the view
+  int number = 0;           ///< number of the view
   float focal = 0;          ///< pixels
-  float magnification = 0;  ///< the new view's focal length over its
-  bool exposed = false;     ///< colors are divided by the gain
+  float magnification = 0;  ///< focal length of the new view over this view's
+  bool exposed = false;     ///< whether colors are divided by the gain
   float gain[3] = {1, 1, 1};
   PlainPixelMap to_new, from_new;
   Vec3f center;  ///< in the new camera's frame
 };
 
-/// The new view, and what is seen from it.
+/// The new view and the sources that it is warped from.
 struct WarpScene {
   const WarpSource* sources = nullptr;  ///< in the device's memory
   int count = 0;
   int width = 0, height = 0;
   float fx = 0, fy = 0, cx = 0, cy = 0;
   float background[3] = {0, 0, 0};
-  bool bounded = false;             ///< nothing is beside the silhouettes
+  bool bounded = false;             ///< whether nothing is outside the silhouettes
   float nearest = 0, farthest = 0;  ///< distances of the known surfaces
 
   ORACLEGS_HD inline size_t pixels() const { return static_cast<size_t>(width) * static_cast<size_t>(height); }
@@ -87,7 +87,7 @@ struct WarpScene {
   }
 };
 
-/// The new view's pixels that a source's depth falls on: both corners included, none when right < left.
+/// Pixels of the new view that a source's depth falls on: corners included, empty when right < left.
 struct DepthSplat {
   float inv_depth = 0;
   int left = 0, top = 0, right = -1, bottom = -1;
@@ -101,7 +101,7 @@ ORACLEGS_HD inline DepthSplat SplatOf(const WarpScene& scene, const WarpSource& 
   const Vec3f q = from.to_new(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, inv_depth);
   if (!(q.z > 0)) return splat;
   const float px = q.x / q.z, py = q.y / q.z, size = from.magnification / q.z;
-  // A copy, since device code has no address of a host's constant.
+  // Copied to a local, since device code has no address of a host's constant.
   const float reach = std::min(float{kMaxSplat}, 0.5f * std::max(1.f, size) + 0.25f);
   if (!(px > -reach && py > -reach && px < static_cast<float>(scene.width) + reach &&
         py < static_cast<float>(scene.height) + reach)) {
@@ -118,7 +118,7 @@ ORACLEGS_HD inline DepthSplat SplatOf(const WarpScene& scene, const WarpSource& 
 /// A depth that falls on a pixel.
 struct WarpSample {
   float inv_depth;
-  uint16_t source;  ///< its place in WarpScene::sources
+  uint16_t source;  ///< index in WarpScene::sources
   uint16_t weight;  ///< confidence, kFullWeight = 1
 };
 
@@ -126,12 +126,12 @@ ORACLEGS_HD inline WarpSample SampleOf(float inv_depth, int source, float confid
   return {inv_depth, static_cast<uint16_t>(source), static_cast<uint16_t>(kFullWeight * std::min(1.f, confidence))};
 }
 
-/// What a source view shows of a point of the new view.
+/// A source view's observation of a point of the new view.
 struct Sighting {
   bool in_frame = false;
   float u = 0, v = 0;    ///< pixel
-  float confidence = 0;  ///< of the source's depth there, 0 = unknown
-  float relative = 0;    ///< inverse depth there over the point's, minus 1: > 0 something occludes it
+  float confidence = 0;  ///< confidence of the source's depth there, 0 = unknown
+  float relative = 0;    ///< inverse depth there over the point's, minus 1; > 0 = occluded
   float resolution = 0;  ///< pixels of the source in one of the new view, per axis, at most 1
 };
 
@@ -161,15 +161,15 @@ ORACLEGS_HD inline float AngleAt(const WarpScene& scene, const WarpSource& from,
   return DegreesBetween(point, {point.x - from.center.x, point.y - from.center.y, point.z - from.center.z});
 }
 
-/// A surface that a pixel may show; written over samples that were read.
+/// A candidate surface of a pixel; stored in place of samples already read.
 struct WarpSurface {
   float inv_depth, vote;
 };
 static_assert(sizeof(WarpSurface) == sizeof(WarpSample));
 
-/// Inverse depth of the nearest surface that has enough votes, 0 without samples. They lie near to far, equals by
-/// source, and are overwritten. votes.Count(begin, end) gets the samples of a surface, and votes.Of(source) gives
-/// the largest weight of a source among them, as a share, 0 without one.
+/// Inverse depth of the nearest surface that has enough votes, 0 without samples. The samples must be sorted near to
+/// far, ties by source, and are overwritten. votes.Count(begin, end) takes the samples of a surface, and
+/// votes.Of(source) returns the largest weight of a source among them, in [0, 1], 0 without one.
 template <class Votes>
 ORACLEGS_HD inline float SurfaceAmong(const WarpScene& scene, size_t pixel, WarpSample* samples, size_t count,
                                       Votes&& votes) {
@@ -208,8 +208,8 @@ ORACLEGS_HD inline float SurfaceAmong(const WarpScene& scene, size_t pixel, Warp
   return 0;
 }
 
-/// No point of the pixel's ray, as far as surfaces are known, projects onto the object in every view. Silhouettes are
-/// those of objects that the images show whole, so nothing lies beyond an image's border.
+/// Whether no point of the pixel's ray, within the range of known surfaces, projects onto the object in every view.
+/// Silhouettes are those of objects that the images show whole, so nothing is beyond an image's border.
 ORACLEGS_HD inline bool MissesObject(const WarpScene& scene, size_t pixel) {
   const float u = scene.CenterX(pixel), v = scene.CenterY(pixel);
   for (int step = 0; step < kRaySteps; ++step) {

@@ -1,5 +1,5 @@
 #pragma once
-// The color of one pixel of the forward warp whose depth is known, and its evidence, for host and device.
+// Color and evidence of one pixel of the forward warp whose depth is known, for host and device.
 
 #include "oraclegs/propose/warp_math.h"
 
@@ -9,10 +9,10 @@ struct ShadedPixel {
   Vec3f color;              ///< RGB
   float known = 0;          ///< weight of the color in PushPull
   uint16_t provenance = 0;  ///< as in Proposal
-  PixelEvidence evidence;   ///< but for the ring
+  PixelEvidence evidence;   ///< without the ring
 };
 
-/// Bilinear; (u, v) inside the image. At the mean exposure.
+/// Bilinear sample at the mean exposure; (u, v) must be inside the image.
 ORACLEGS_HD inline Vec3f ColorAt(const WarpSource& from, float u, float v) {
   const float x = std::clamp(u - 0.5f, 0.f, static_cast<float>(from.width - 1));
   const float y = std::clamp(v - 0.5f, 0.f, static_cast<float>(from.height - 1));
@@ -31,7 +31,7 @@ ORACLEGS_HD inline Vec3f ColorAt(const WarpSource& from, float u, float v) {
   return {color[0], color[1], color[2]};
 }
 
-/// The views that a pixel's color is mixed from, by descending weight, equals by number.
+/// The views that a pixel's color is mixed from, by falling weight, ties by number.
 struct Blend {
   struct Shown {
     float weight = 0;
@@ -41,7 +41,7 @@ struct Blend {
   Shown shown[kBlended];
   int count = 0;
 
-  /// In the order of the sources.
+  /// Offers a view; call in the order of the sources.
   ORACLEGS_HD inline void Offer(const Shown& one) {
     if (count == kBlended && !(one.weight > shown[kBlended - 1].weight)) return;
     int place = count < kBlended ? count++ : kBlended - 1;
@@ -50,7 +50,7 @@ struct Blend {
   }
 };
 
-/// `beside`: the pixel's ray misses the object.
+/// Color and evidence of a pixel. `beside`: its ray misses the object.
 ORACLEGS_HD inline ShadedPixel ShadePixel(const WarpScene& scene, size_t pixel, float inv_depth, bool beside) {
   ShadedPixel out;
   out.color = {scene.background[0], scene.background[1], scene.background[2]};
@@ -94,7 +94,7 @@ ORACLEGS_HD inline ShadedPixel ShadePixel(const WarpScene& scene, size_t pixel, 
   e.spread = std::sqrt(squares / (3 * total));
   out.color = mean;
   out.provenance = static_cast<uint16_t>(scene.sources[blend.shown[0].source].number + 1);
-  // The angle's weight is relative: a color seen from far off is still better than none.
+  // The angle's weight is relative: a color seen from far off is better than none.
   out.known = std::min(1.f, std::min(e.support, e.views) / kWellKnown);
   return out;
 }

@@ -1,6 +1,6 @@
 #pragma once
-// The constants of the rasterizer (docs/method.md#projection, #blending), each once. Plain numbers, so that kernels of
-// every device can include this.
+// The constants of the rasterizer (docs/method.md#projection, #blending). Plain numbers, so that kernels of every
+// device can include this file.
 
 namespace oraclegs {
 

@@ -6,15 +6,15 @@
 
 namespace oraclegs {
 
-/// One float32 image at a time, of any of the shapes a run works on, in a storage that grows to the largest. A handle
-/// is made the first time its shape is asked for and kept, so that from then on nothing is allocated.
+/// One float32 image at a time, of any shape, in a storage that grows to the largest. The handle of a shape is made
+/// once and kept, so that later calls allocate nothing.
 class ImageBuffer {
  public:
-  /// `purpose`, a plural, stands in the error when memory ends.
+  /// Makes an empty one. `purpose`, a plural noun, appears in the error when memory ends.
   explicit ImageBuffer(Device device = kCpu, const char* purpose = "the images") : device_(device), purpose_(purpose) {}
 
-  /// A buffer of this shape on the device, holding anything. All buffers of one ImageBuffer share their memory: it is
-  /// to be used until the next Get.
+  /// Buffer of this shape on the device, uninitialized. All buffers of one ImageBuffer share their memory: use it until
+  /// the next Get.
   const Buffer<float>& Get(const Shape& shape);
 
  private:

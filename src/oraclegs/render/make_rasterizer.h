@@ -6,7 +6,7 @@
 
 namespace oraclegs {
 
-/// The rasterizer of a device. Throws UsageError when this build has none for it.
+/// Makes the rasterizer of a device. Throws UsageError when this build has none for it.
 std::unique_ptr<Rasterizer> MakeRasterizer(Device device);
 
 }  // namespace oraclegs

@@ -8,7 +8,7 @@ struct SupportClassLook {
   std::array<uint8_t, 3> color;
   float from;  // lowest support
 };
-// Blue and sky blue, yellow, vermilion: cold is seen, warm is not.
+// Blue and sky blue, yellow, vermilion: cold colors are seen, warm ones are not.
 constexpr std::array<SupportClassLook, kSupportClasses> kSupportLooks = {{
     {"seen by two or more images", {0, 114, 178}, 0.75f},
     {"seen by one image", {86, 180, 233}, 0.5f},

@@ -1,6 +1,6 @@
 #pragma once
-// The one rasterizer interface. Semantics: docs/method.md#projection to #color-gradient; make_rasterizer.h makes the
-// one of a device.
+// The one rasterizer interface. Semantics: docs/method.md#projection to #color-gradient. make_rasterizer.h makes the
+// rasterizer of a device.
 
 #include <array>
 
@@ -25,11 +25,11 @@ struct RenderOptions {
 
 enum class RenderPass {
   kInference,  ///< nothing is kept
-  kTrain,      ///< what Backward needs is kept until the next Forward
+  kTrain,      ///< buffers for Backward are kept until the next Forward
 };
 
-/// Images of one camera. Valid until the rasterizer's next Forward: buffers are reused. Backward may read them: they
-/// stay as they are until then.
+/// Images of one camera. Valid until the rasterizer's next Forward: buffers are reused. Do not write them before
+/// Backward, which may read them.
 struct RenderOutput {
   Buffer<float> image;      ///< [H,W,3] composited on the background, not clamped
   Buffer<float> alpha;      ///< [H,W] 1 - transmittance
@@ -43,11 +43,11 @@ struct RenderGrads {
   Buffer<float> inv_depth;  ///< [H,W]
 };
 
-/// Blocks of gradients begin at multiples of this many Gaussians. Parameters, moments and gradients of so many are 60
-/// KB: they stay in the nearest caches while they are worked on.
+/// Blocks of gradients begin at multiples of this many Gaussians. Parameters, moments and gradients of a block are 60
+/// KB and stay in the nearest caches.
 inline constexpr int64_t kGradBlock = 64;
 
-/// Uses the gradients of a backward pass where they are computed, so that they never go through main memory: an
+/// Consumer of a backward pass's gradients where they are computed, so that they never go through main memory: an
 /// optimizer's step. A rasterizer calls the function of its device; the other one throws ShapeError unless overridden.
 class GradientConsumer {
  public:
@@ -61,13 +61,13 @@ class GradientConsumer {
   virtual void ConsumeBlock(int64_t begin, int64_t end, const GaussianRows& grads);
 
   /// GPU: called once. Queues RunGaussianBackward (render/cuda/gaussian_backward-inl.cuh) with `in`, which computes
-  /// each Gaussian's gradient in registers and hands it to device code of the consumer's.
+  /// each Gaussian's gradient in registers and hands it to the consumer's device code.
   virtual void ConsumeOnDevice(const cuda::GaussianBackwardInput& in);
 };
 
-/// What adaptive density control [Kerbl 2023] goes by: how hard the photos pull at each Gaussian's place in the image.
+/// Screen-space gradients of adaptive density control [Kerbl 2023].
 struct ScreenGradients {
-  Buffer<float> sum;    ///< [N] of |dL/d(center)|, the center in units of half the image's width and height
+  Buffer<float> sum;    ///< [N] sums of |dL/d(center)|, the center in units of half the image's width and height
   Buffer<float> views;  ///< [N] backward passes in which the Gaussian reached a pixel
 };
 
@@ -75,16 +75,16 @@ struct ScreenGradients {
 struct RenderTimings {
   double project = 0, bin = 0, blend = 0;  ///< Forward
   double blend_backward = 0;               ///< Backward or BackwardInto
-  double gaussian_backward = 0;            ///< the same, with what the consumer does
+  double gaussian_backward = 0;            ///< Backward or BackwardInto, the consumer's work included
 };
 
-/// How much work the last Forward and Backward found.
+/// Amount of work of the last Forward and Backward.
 struct RenderStats {
   int64_t visible = 0;               ///< Gaussians that reach at least one tile
   int64_t tile_pairs = 0;            ///< (tile, Gaussian) pairs
   int64_t pixel_pairs = 0;           ///< (pixel, Gaussian) pairs evaluated by the forward blend
-  int64_t pixel_pairs_backward = 0;  ///< by the backward blend
-  int64_t device_bytes = 0;          ///< memory of a GPU held now, without the images; 0 of a CPU's
+  int64_t pixel_pairs_backward = 0;  ///< (pixel, Gaussian) pairs evaluated by the backward blend
+  int64_t device_bytes = 0;          ///< memory of a GPU held now, without the images; 0 for a CPU
 };
 
 /// Renders Gaussians and differentiates the render. One object serves one thread of work; its buffers grow to the
@@ -93,22 +93,22 @@ class Rasterizer {
  public:
   virtual ~Rasterizer() = default;
 
-  /// Throws ShapeError for buffers that do not fit, before any work.
+  /// Renders. Throws ShapeError for buffers that do not fit, before any work.
   virtual RenderOutput Forward(const Gaussians& gaussians, const Camera& camera, const RenderOptions& options,
                                RenderPass pass) = 0;
 
   /// Writes dL/d(raw parameter) of the last Forward(kTrain), with the same `gaussians`, into `grads` (same shapes; rows
-  /// of unseen Gaussians are zero). Of grads.sh only coefficients of the active degree are written.
+  /// of unseen Gaussians are zero). Only coefficients of the active degree of grads.sh are written.
   virtual void Backward(const Gaussians& gaussians, const RenderGrads& upstream, Gaussians* grads) = 0;
 
-  /// The same gradients, handed to `consumer` instead of being written.
+  /// Computes the gradients of Backward and hands them to `consumer` instead of writing them.
   virtual void BackwardInto(const Gaussians& gaussians, const RenderGrads& upstream, GradientConsumer* consumer) = 0;
 
-  /// From now on each backward pass adds to these, of as many Gaussians, on the CPU; nullptr ends that. Throws
-  /// UsageError on a GPU.
+  /// Makes each further backward pass add to these screen gradients of as many Gaussians, on the CPU; nullptr ends
+  /// that. Throws UsageError on a GPU.
   virtual void WatchScreen(const ScreenGradients* watched);
 
-  /// Takes the memory for so many Gaussians now, on a GPU. Throws OutOfMemory.
+  /// Allocates for that many Gaussians now, on a GPU. Throws OutOfMemory.
   virtual void ReserveGaussians(int64_t) {}
 
   virtual RenderTimings timings() const = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// What every rasterizer requires of its inputs, and the inputs as its kernels take them. All throw ShapeError.
+// Checks that every rasterizer makes of its inputs, and the inputs as its kernels take them. All throw ShapeError.
 
 #include "oraclegs/render/render.h"
 #include "oraclegs/render/splats.h"

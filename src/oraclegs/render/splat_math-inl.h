@@ -34,7 +34,7 @@ struct RawSplat {
   F qw, qx, qy, qz, logit;
 };
 
-/// What the rasterizer needs of one Gaussian, and intermediate values that its derivative reads again.
+/// A Gaussian as the rasterizer takes it, and intermediate values that its derivative reads again.
 template <class F>
 struct ProjectedSplat {
   F mx, my;                     ///< projected center, px
@@ -58,8 +58,8 @@ struct SplatChain {
   F opacity, compensation, ratio;
 };
 
-/// Vectorized exponentials are defined up to about 88 only. Larger arguments, which models of other trainers may hold,
-/// are clamped; the result is the same in float.
+/// exp of arguments clamped to the range of vectorized exponentials, about 88. Models of other trainers may exceed it;
+/// the result is the same in float.
 template <class F>
 ORACLEGS_HD inline F BoundedExp(F x) {
   return Exp(Min(Max(x, F(-80.f)), F(80.f)));
@@ -126,7 +126,7 @@ ORACLEGS_HD inline SplatChain<F> EvaluateChain(const RawSplat<F>& raw, const Spl
   return c;
 }
 
-/// docs/method.md#projection. Values are meaningless where z <= kNearPlane.
+/// Projects (docs/method.md#projection). Values are meaningless where z <= kNearPlane.
 template <class F, class T>
 ORACLEGS_HD inline ProjectedSplat<F> Project(const SplatChain<F>& c, const SplatCamera<T>& camera) {
   const F inv_det = F(1.f) / c.det;
@@ -153,8 +153,8 @@ struct RawGrad {
   F qw, qx, qy, qz, logit;
 };
 
-/// docs/method.md#gaussian-gradient: the adjoint of EvaluateChain and Project. The color's part of d/d(mean) is added
-/// by the caller. With N = J m the covariance is N N', so d/dN = 2 G N and the world covariance never appears.
+/// The adjoint of EvaluateChain and Project (docs/method.md#gaussian-gradient). The caller adds the color's part of
+/// d/d(mean). With N = J m the covariance is N N', so d/dN = 2 G N and the world covariance never appears.
 template <class F, class T>
 ORACLEGS_HD inline RawGrad<F> ProjectBackward(const SplatChain<F>& c, const SplatCamera<T>& camera,
                                               const ProjectedGrad<F>& g) {
@@ -199,7 +199,7 @@ ORACLEGS_HD inline RawGrad<F> ProjectBackward(const SplatChain<F>& c, const Spla
     gm[6 + j] = -(jx * c.cu * gn0[j] + jy * c.cv * gn1[j]);
   }
 
-  // Camera-space center. Where u is clamped the third column of J does not move with x.
+  // Camera-space center. Where u is clamped the third column of J does not depend on x.
   const auto u_free = And(c.u >= F(camera.min_u), c.u <= F(camera.max_u));
   const auto v_free = And(c.v >= F(camera.min_v), c.v <= F(camera.max_v));
   const F sx = jx * inv_z * gj02, sy = jy * inv_z * gj12;

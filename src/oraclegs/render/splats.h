@@ -1,5 +1,5 @@
 #pragma once
-// What the kernels of every device read and write, as plain memory.
+// Plain memory that the kernels of every device read and write.
 
 #include <cstdint>
 
@@ -10,7 +10,7 @@ namespace oraclegs {
 /// Raw parameters of n Gaussians, rows as in GaussianRows. On a GPU sh is aligned to 16 bytes.
 struct GaussianParameters {
   const float *means, *log_scales, *quats, *opacity_logits, *sh;
-  const float* opacity_factors;  ///< or null: all are 1; the backward pass needs none
+  const float* opacity_factors;  ///< null: all are 1. Unused by the backward pass
   int64_t n;
 };
 

@@ -10,14 +10,14 @@ namespace {
 
 constexpr int64_t kSurfaceRows = 8;  // rows a task
 
-/// How inverse depth changes for a step of one pixel along an axis; of a plane it is the same everywhere. Of the
-/// differences to both sides, that which bends less: an edge of depth lies on one side only.
+/// Neighbors of a pixel along an axis, for the slope of inverse depth, which is constant on a plane. At an edge of
+/// depth the slope is that of the flatter side.
 struct InverseDepthAxis {
   const float* at;
   int before, after;  // pixels that there are on each side, at most the reach
   int64_t stride;
 
-  /// NAN when a surface is known on neither side.
+  /// Change of inverse depth per pixel; NAN when neither side has a surface.
   float Slope() const {
     const float here = *at, left = before > 0 ? at[-before * stride] : 0, right = after > 0 ? at[after * stride] : 0;
     const float from_left = (here - left) / static_cast<float>(before);

@@ -1,6 +1,6 @@
-// One pass over memory: a vector of each of gradient, parameter and both moments is read, the last three are written.
-// Rows of sh are 48 floats apart, and a whole number of vectors, so that the coefficients above the active degree are
-// left out a vector at a time; what of them shares a vector with active ones gets a zero gradient.
+// One pass over memory: each vector of gradient, parameter and both moments is read, the last three are written.
+// Rows of sh are 48 floats apart, a whole number of vectors, so that coefficients above the active degree are skipped a
+// vector at a time; those that share a vector with active ones get a zero gradient.
 
 #include "oraclegs/train/adam.h"
 
@@ -29,7 +29,7 @@ namespace oraclegs {
 
 inline constexpr int kPrefetchRows = 8;  // of sh, ahead of use
 
-/// One parameter array, or part of it, and what belongs to it.
+/// One parameter array, or a part of it, with its gradients and moments.
 struct AdamArrays {
   const float* g;
   float *p, *m, *v;
@@ -64,7 +64,7 @@ HWY_INLINE void UpdateFlat(const AdamArrays& a, int64_t count, float scaled_rate
   int64_t at = 0;
   for (; at + kLanes <= count; at += kLanes) UpdateVector(hn::LoadU(d, a.g + at), rate, correction2_root, a, at);
   if (at == count) return;
-  // The last few, in a vector of their own, so that they see the same arithmetic as the others.
+  // The remainder, in a vector of its own, so that it sees the same arithmetic as the others.
   HWY_ALIGN float buffer[4][kLanes] = {};
   for (int64_t i = at; i < count; ++i) {
     buffer[0][i - at] = a.g[i], buffer[1][i - at] = a.p[i], buffer[2][i - at] = a.m[i], buffer[3][i - at] = a.v[i];
@@ -75,8 +75,8 @@ HWY_INLINE void UpdateFlat(const AdamArrays& a, int64_t count, float scaled_rate
   }
 }
 
-/// Nobody has touched the moments before us in this iteration: they come from main memory, in blocks too short for the
-/// processor to foresee.
+/// Prefetches the moments. They were last touched in the iteration before, so they come from main memory, in blocks too
+/// short for the processor's prefetcher.
 template <class T>
 HWY_INLINE void PrefetchRow(const T* row) {
   constexpr int kCacheLine = 64 / sizeof(T);
@@ -102,7 +102,7 @@ HWY_INLINE void UpdateSh(const AdamArrays& a, int64_t count, const AdamConstants
   }
 }
 
-/// The same with half moments.
+/// UpdateSh for half moments.
 HWY_INLINE void UpdateShHalf(const AdamRows& rows, int64_t count, const AdamConstants& constants) {
   const FloatTag d;
   const hn::RebindToUnsigned<FloatTag> bits;
@@ -129,7 +129,7 @@ HWY_INLINE void UpdateShHalf(const AdamRows& rows, int64_t count, const AdamCons
   }
 }
 
-/// The same with compact moments.
+/// UpdateSh for compact moments.
 HWY_INLINE void UpdateShCompact(const AdamRows& rows, int64_t count, const AdamConstants& constants) {
   const FloatTag d;
   for (int64_t row = 0; row < count; ++row) {
@@ -151,12 +151,10 @@ HWY_INLINE void UpdateShCompact(const AdamRows& rows, int64_t count, const AdamC
   }
 }
 
-/// One group of `count` floats.
 void UpdateGroup(const AdamArrays& arrays, int64_t count, float scaled_rate, float correction2_root) {
   UpdateFlat(arrays, count, scaled_rate, Lanes(correction2_root));
 }
 
-/// `count` Gaussians.
 void UpdateRows(const AdamRows& rows, int64_t count, const AdamConstants& constants) {
   const auto& [g, p, moments] = rows;
   const GaussianRows &m = moments.m, &v = moments.v;

@@ -5,7 +5,7 @@
 
 namespace oraclegs {
 
-/// A step of Adam that has begun: Update for all Gaussians, once each, makes it whole.
+/// A step of Adam that has begun. It is complete when Update has seen every Gaussian once.
 class AdamStep {
  public:
   /// params -= lr * m_hat / (sqrt(v_hat) + eps) for Gaussians [begin, end), in place. `grads` holds their rows, the
@@ -24,13 +24,14 @@ class AdamStep {
 };
 
 /// Adam with beta 0.9, 0.999, epsilon 1e-15 outside the root, one step counter, every Gaussian in every step
-/// (docs/method.md#adam). SH coefficients above the active degree have neither gradient nor moments and are
-/// skipped, which is the same.
+/// (docs/method.md#adam). SH coefficients above the active degree have neither gradient nor moments and are skipped,
+/// which gives the same result.
 ///
-/// The moments of SH can take less memory (ShMoments). Half: both are rounded to bfloat16 between steps, the second one
-/// up or down at random, in the mean exactly, since a step changes it by less than a bfloat16 number can. Compact: only
-/// the first is kept for each coefficient, also in bfloat16. The square of a Gaussian's SH gradients is taken in the
-/// mean over its coefficients, which is that of the constant one (MeanShSquare), so that all share one second moment.
+/// SH moments can take less memory (ShMoments). Half: both moments are rounded to bfloat16 between steps; the second is
+/// rounded up or down at random, exact in the mean, since a step changes it by less than bfloat16 resolves. Compact:
+/// each coefficient keeps only its first moment, in bfloat16. The squares of a Gaussian's SH gradients are averaged
+/// over its coefficients; that mean follows from the constant coefficient (MeanShSquare), so that all coefficients
+/// share one second moment.
 struct Adam {
   Gaussians m, v;              ///< first and second moments; sh undefined unless full
   Buffer<uint16_t> sh_m;       ///< [N,16,3] bfloat16; undefined where full
@@ -38,7 +39,7 @@ struct Adam {
   Buffer<float> sh_v;          ///< [N]; undefined unless compact
   int64_t step = 0;            ///< steps taken
 
-  /// Moments of 0.
+  /// Makes n rows of zero moments.
   explicit Adam(int64_t n, ShMoments sh_moments = ShMoments::kFull);
 
   int64_t size() const { return m.size(); }
@@ -48,9 +49,9 @@ struct Adam {
   MomentRows Rows() const;
   /// Throws ShapeError naming `who` unless these are the moments of n Gaussians.
   void Check(const char* who, int64_t n) const;
-  /// In new memory.
+  /// Deep copy in new memory.
   Adam Clone() const;
-  /// Adds rows of zeros, n in all; in place where memory has room (Buffer::GrownTo).
+  /// Appends rows of zeros up to n in all; in place where memory has room (Buffer::GrownTo).
   void GrowTo(int64_t n);
 
   /// Calls f(moment, name, buffer) for each buffer that is defined; moment is "m" or "v", name that of the parameters
@@ -70,19 +71,19 @@ struct Adam {
   /// Begins the next step. The result writes to `params` and to the moments; none of them may be replaced while it is
   /// used. Throws ShapeError.
   AdamStep BeginStep(const LearningRates& rates, int sh_degree, Gaussians* params);
-  /// The same for devices that take the step themselves.
+  /// Begins the next step for a device that takes the step itself. Throws ShapeError.
   AdamConstants BeginStep(const LearningRates& rates, int sh_degree, const Gaussians& params);
 
-  /// A whole step, on all threads.
+  /// Takes a whole step, on all threads.
   void Step(const Gaussians& grads, const LearningRates& rates, int sh_degree, Gaussians* params);
 
-  /// A step of one group alone, say &Gaussians::means: of the others neither values nor moments change, as in PyTorch,
-  /// which leaves parameters without gradient alone. On all threads. Throws ShapeError.
+  /// Takes a step of one group alone, say &Gaussians::means. Values and moments of the other groups stay, as PyTorch
+  /// leaves parameters without gradient alone. On all threads. Throws ShapeError.
   ///
-  /// PyTorch counts the steps of each parameter. Here `step` stays as it is and counts the whole steps: the other
-  /// groups move to the bit as if this step had not been. This group's moments are corrected by that count, too, which
-  /// is below its own. With one step more for every ten whole ones its steps differ by 5 % at most from PyTorch's, with
-  /// one for each whole one by a third at first and less than 3 % after 3000.
+  /// PyTorch counts the steps of each parameter. Here `step` is unchanged and counts the whole steps, so the other
+  /// groups keep their bits. This group's moments are corrected by that count, which is below its own: its steps differ
+  /// from PyTorch's by at most 5 % with one extra step every ten whole ones; with one for each whole step by a third at
+  /// first and by less than 3 % after 3000.
   void StepGroup(Buffer<float> Gaussians::*group, const Gaussians& grads, double rate, Gaussians* params);
 };
 

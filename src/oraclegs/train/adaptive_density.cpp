@@ -19,7 +19,7 @@ double LargestScale(const Gaussians& gaussians, int64_t i) {
   return std::exp(static_cast<double>(std::max({s[0], s[1], s[2]})));
 }
 
-/// Three standard normal numbers (Box and Muller's), a function of seed, iteration and number.
+/// Three standard normal numbers (Box-Muller), a pure function of seed, iteration and number.
 std::array<double, 3> Normals(const DensityControl& control, uint64_t number) {
   constexpr double kTwoPi = 6.283185307179586;
   std::array<double, 4> normals{};
@@ -45,7 +45,7 @@ std::array<double, 3> Rotate(const float* quat, const std::array<double, 3>& x) 
           2 * (a * c - w * b) * x[0] + 2 * (b * c + w * a) * x[1] + (1 - 2 * (a * a + b * b)) * x[2]};
 }
 
-/// Which Gaussians become two: each clone and each split is one more in the end.
+/// Rows of the Gaussians to clone or split; each adds one Gaussian.
 std::vector<int64_t> Pulled(const DensityControl& control, const std::vector<float>& gradients,
                             const Gaussians& gaussians) {
   std::vector<bool> lonely(gradients.size(), false);
@@ -78,7 +78,7 @@ void ZeroMoments(int64_t begin, int64_t end, Adam* adam) {
   adam->ForEachMoment([&](const char*, const char*, auto& t) { t.Rows(begin, end).SetZero(); });
 }
 
-/// One half of a Gaussian that is split, in its place.
+/// Moves Gaussian `row` to one half of the split one, in its place.
 void MoveToHalf(const DensityControl& control, uint64_t number, int64_t row, Gaussians* gaussians) {
   float* mean = gaussians->means.data() + 3 * row;
   float* log_scales = gaussians->log_scales.data() + 3 * row;
@@ -91,7 +91,7 @@ void MoveToHalf(const DensityControl& control, uint64_t number, int64_t row, Gau
   }
 }
 
-/// The rows that stay: nothing transparent, nothing too large.
+/// Rows of the Gaussians that are neither too transparent nor too large.
 std::vector<int64_t> RowsThatStay(const DensityControl& control, const Gaussians& gaussians) {
   std::vector<int64_t> rows;
   int64_t most_opaque = 0;
@@ -156,7 +156,8 @@ class AdaptiveDensifier final : public Densifier {
     Begin(model->gaussians.size());
   }
 
-  /// A Gaussian that dropout leaves out counts as seen without gradient in the programs; here it is not seen.
+  /// Mean screen gradient of each Gaussian. One that dropout leaves out is not counted as seen; the published programs
+  /// count it as seen without gradient.
   std::vector<float> MeanGradients(const Iteration& iteration) const {
     const double kept = 1 - DropProbability(options_.dropout.value(), iteration.number, options_.iterations.value());
     std::vector<float> gradients(static_cast<size_t>(screen_.sum.count()), 0);

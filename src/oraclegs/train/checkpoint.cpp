@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 constexpr const char* kFormat = "oraclegs-checkpoint";
 constexpr int64_t kFormatVersion = 3;
 constexpr const char* kSecond = "second.";  // before the names of all that is of the second model
-// The checksum is that of the whole file with these digits at zero, so that no byte of it is left unguarded.
+// The checksum is that of the whole file with these digits at zero, so that it covers every byte.
 constexpr std::string_view kChecksumMark = "crc32=", kNoChecksum = "00000000";
 
 std::string Checksum(std::string_view bytes) {
@@ -32,7 +32,7 @@ std::string Checksum(std::string_view bytes) {
   return fmt::format("{:08x}", static_cast<uint32_t>(crc));
 }
 
-/// Where the digits of the checksum stand in the file's header, npos when there are none.
+/// Position of the checksum's digits in the file's header, npos when there are none.
 size_t FindChecksum(std::string_view bytes) {
   uint64_t header = 0;
   if (bytes.size() < sizeof(header)) return std::string_view::npos;
@@ -56,7 +56,7 @@ void AddParameters(const std::string& prefix, const Gaussians& gaussians, std::m
   });
 }
 
-/// sh of compact moments: BF16 and one F32 for each Gaussian.
+/// Adds the moments. Compact moments have sh as BF16 and one F32 for each Gaussian.
 void AddMoments(const std::string& prefix, Adam adam, std::map<std::string, TensorEntry>* tensors) {
   adam.Check("WriteCheckpoint", adam.size());
   adam.ForEachMoment([&](const char* moment, const char* name, const auto& t) {
@@ -66,7 +66,7 @@ void AddMoments(const std::string& prefix, Adam adam, std::map<std::string, Tens
   });
 }
 
-/// Nothing without photos.
+/// Adds the exposure maps. Without trained ones it adds nothing.
 void AddExposures(const std::string& prefix, const ExposureState& state, std::map<std::string, TensorEntry>* tensors) {
   if (state.maps.empty()) return;
   const auto add = [&](const char* name, const std::vector<ExposureMap>& maps) {
@@ -80,7 +80,7 @@ void AddExposures(const std::string& prefix, const ExposureState& state, std::ma
   tensors->emplace(prefix + "exposure.adam.steps", Entry("I64", {views}, state.steps.data(), views));
 }
 
-/// Nothing where densification goes by nothing of earlier iterations.
+/// Adds the screen gradients of adaptive density control. MCMC has none.
 void AddDensify(const std::string& prefix, const ScreenGradients& state, std::map<std::string, TensorEntry>* tensors) {
   if (!state.sum.defined()) return;
   const auto add = [&](const char* name, const Buffer<float>& t) {
@@ -90,12 +90,12 @@ void AddDensify(const std::string& prefix, const ScreenGradients& state, std::ma
   add("densify.views", state.views);
 }
 
-/// What a file holds, before it is written.
+/// Contents of a file before it is written.
 struct Contents {
   std::map<std::string, TensorEntry> tensors;
   std::map<std::string, std::string> metadata;
 
-  /// One model with its state, under names that begin with `prefix`.
+  /// Adds one model with its state, under names that begin with `prefix`.
   void Add(const std::string& prefix, const Checkpoint& checkpoint) {
     AddParameters(prefix, checkpoint.gaussians, &tensors);
     AddMoments(prefix, checkpoint.adam, &tensors);
@@ -178,7 +178,7 @@ struct Reader {
     return maps;
   }
 
-  /// Empty where the run did not train them.
+  /// Exposure maps; empty where the run did not train them.
   ExposureState Exposures() const {
     if (!Has("exposure.maps")) return {};
     std::vector<int64_t> steps = Integers("exposure.adam.steps");
@@ -187,7 +187,7 @@ struct Reader {
             std::move(steps)};
   }
 
-  /// Of this shape; T is float or, for BF16, uint16_t.
+  /// A tensor of this shape; T is float or, for BF16, uint16_t.
   template <class T>
   Buffer<T> Array(const std::string& name, const Shape& shape) const {
     const TensorEntry& entry = Typed(name, std::is_same_v<T, float> ? "F32" : "BF16");
@@ -244,7 +244,7 @@ struct Reader {
   }
 };
 
-/// Throws unless the checksum that stands in the file is that of its bytes.
+/// Throws InputError unless the file's checksum is that of its bytes.
 void VerifyChecksum(const fs::path& path, std::string* bytes) {
   const size_t at = FindChecksum(*bytes);
   if (at == std::string::npos) {

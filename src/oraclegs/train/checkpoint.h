@@ -1,5 +1,6 @@
 #pragma once
-// A run that was stopped continues to the same bits. One safetensors file, readable with any tool, with a checksum.
+// Checkpoints: a run that was stopped continues to the same bits. One safetensors file with a checksum, readable with
+// any tool.
 
 #include <cstdint>
 #include <filesystem>
@@ -20,26 +21,26 @@ struct Checkpoint {
   Adam adam{0};
   ViewSampler::State sampler;
   ExposureState exposures;  ///< empty, and absent from the file, where they are not trained
-  ScreenGradients densify;  ///< what densification goes by; empty, and absent from the file, where that is nothing
+  ScreenGradients densify;  ///< state of adaptive density control; empty, and absent from the file, with MCMC
   double seconds = 0;       ///< training time so far
   double loss = 0;          ///< smoothed loss shown to the user
-  nlohmann::json options;   ///< what the run was started with; resuming compares
-  /// Of the model that a method trains beside this one; null, and absent from the file, where it has none.
+  nlohmann::json options;   ///< options the run was started with; resuming compares them
+  /// Checkpoint of the second model that a method trains beside this one; null, and absent from the file, where there
+  /// is none.
   std::shared_ptr<const Checkpoint> second = {};
 };
 
-/// The text that stands for the options in the file; two runs with the same text may continue each other. Bytes of a
-/// path that are not UTF-8 are replaced.
+/// Text of the options in the file; two runs with the same text may continue each other. Bytes of a path that are not
+/// UTF-8 are replaced.
 std::string DumpOptions(const nlohmann::json& options);
 
-/// Throws InputError that names the first option that differs unless those a checkpoint in `dir` was saved with are
-/// these.
+/// Throws InputError that names the first option that differs between a checkpoint in `dir` and this run.
 void CheckSameOptions(const std::filesystem::path& dir, const nlohmann::json& saved, const nlohmann::json& now);
 
-/// Writes, flushes, renames. Throws RunError.
+/// Writes a temporary file, flushes and renames it. Throws RunError.
 void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 
-/// Throws InputError naming the file: wrong format version, checksum, shapes or keys.
+/// Reads a checkpoint. Throws InputError naming the file: wrong format version, checksum, shapes or keys.
 Checkpoint ReadCheckpoint(const std::filesystem::path& path);
 
 }  // namespace oraclegs

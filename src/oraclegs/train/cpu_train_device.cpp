@@ -15,7 +15,7 @@
 namespace oraclegs {
 namespace {
 
-/// Moves a block of Gaussians while its gradients are in the cache.
+/// Steps a block of Gaussians while its gradients are in the cache.
 struct StepConsumer final : GradientConsumer {
   const Iteration& iteration;
   Gaussians* gaussians;
@@ -98,8 +98,8 @@ class CpuTrainDevice final : public TrainDevice {
     // In an iteration that refines the noise comes after relocation and growth.
     consumer.adds_noise = adds_noise && !iteration.refines;
     if (adds_gradients_) consumer.beside = &beside_;
-    // Programs with adaptive density control take no step in an iteration that refines: the parameters that they put
-    // in the place of the old ones have no gradient yet.
+    // Programs with adaptive density control take no step in an iteration that refines: the new parameters have no
+    // gradient yet.
     if (iteration.moves && (adds_noise || !iteration.refines)) {
       consumer.step = model->adam.BeginStep(iteration.rates, iteration.sh_degree, gaussians);
     }

@@ -1,5 +1,5 @@
 #pragma once
-// How the number and the places of the Gaussians change on a CPU. (A GPU has 3DGS-MCMC alone, train/cuda/refine.h.)
+// Densification on a CPU: how Gaussians are added, moved and removed. (A GPU has 3DGS-MCMC alone, train/cuda/refine.h.)
 // make_densifier.h makes the one of --densify.
 
 #include <memory>
@@ -17,19 +17,19 @@ class Densifier {
   /// Whether positions get the noise of 3DGS-MCMC in every iteration.
   virtual bool AddsNoise() const = 0;
 
-  /// After the step of an iteration that refines or resets opacities.
+  /// Called after the step of an iteration that refines or resets opacities.
   virtual void Refine(const Iteration& iteration, TrainedModel* model) = 0;
 
-  /// What of earlier iterations the next refinement goes by; empty where that is nothing.
+  /// State carried from iteration to iteration, for checkpoints; empty where there is none.
   virtual ScreenGradients state() const { return {}; }
-  /// Begins anew, for a model of so many Gaussians.
+  /// Clears the state for a model of that many Gaussians.
   virtual void Begin(int64_t gaussians) = 0;
-  /// Goes on from the state of a model of so many Gaussians. Throws InputError when it is of another number, or empty
-  /// where this kind has one.
+  /// Restores the state for a model of that many Gaussians. Throws InputError when the state is of another number, or
+  /// empty where this densifier has one.
   virtual void Restore(const ScreenGradients& state, int64_t gaussians) = 0;
 };
 
-/// What a densifier works on, which outlives it.
+/// Inputs of a densifier, which outlive it.
 struct DensifierSetup {
   const TrainOptions& options;  ///< settled
   const LossPlan& plan;

@@ -4,7 +4,7 @@
 
 namespace oraclegs {
 
-/// A loss or a parameter is not a number any more. Nothing is saved from then on.
+/// Error of a training whose loss or parameters became NaN or infinite. Nothing is saved from then on.
 class Diverged : public RunError {
  public:
   using RunError::RunError;

@@ -23,7 +23,7 @@ void RequirePair(const char* who, const Buffer<float>& image, const Buffer<float
   RequireShape(who, "its partner", other, {image.size(0), image.size(1), 3});
 }
 
-/// Adds grad (shown by image, 1)' of pixels [begin, end) and multiplies grad by A'.
+/// Returns dL/d(map) of pixels [begin, end), the sum of grad (image, 1)', and multiplies grad by A'.
 ExposureGradient BackwardPixels(const ExposureMap& a, const float* image, float* grad, int64_t begin, int64_t end) {
   ExposureGradient sum{};
   for (int64_t i = begin; i < end; ++i) {

@@ -12,8 +12,8 @@ namespace {
 
 constexpr int64_t kFloaterGrain = 1024;  // Gaussians a task
 
-/// z times the inverse depth under a point: 1 on the surface, less before it, 0 where there is none at all. Nothing
-/// where the view has no say.
+/// z times the inverse depth under a point: 1 on the surface, less before it, 0 where the pixel is empty. nullopt where
+/// the view contributes no vote.
 std::optional<double> DepthRatio(const TrainView& view, const Eigen::Vector3d& world) {
   const Camera& camera = view.camera;
   const Eigen::Vector3d point = camera.cam_from_world * world;

@@ -1,5 +1,5 @@
 #pragma once
-// Gaussians that hang in the air before a camera: photos from few places cannot refute them, depth can.
+// Floaters: Gaussians that hang in the air before a camera. Photos from few places cannot refute them, depth can.
 
 #include <vector>
 
@@ -9,10 +9,11 @@
 
 namespace oraclegs {
 
-/// Lowers the opacity of every living Gaussian to below kDeadOpacity, so that RelocateDead moves it, whose center lies
-/// before the surface in at least one view and in at least as many as it lies on the surface of. A view has a say where
-/// the center falls on a pixel of trusted depth. Nothing happens when no Gaussian would be left alive. Returns how
-/// many died. The same for any number of threads.
+/// Lowers the opacity of floaters to below kDeadOpacity, so that RelocateDead moves them. A floater is a living
+/// Gaussian whose center falls on an empty pixel in some view, or lies before the surface in at least one view and in
+/// at least as many views as it lies on the surface. A view contributes a vote where the center falls on a pixel of
+/// trusted depth. Does nothing when no Gaussian would be left alive. Returns the number of floaters. The result does
+/// not depend on the number of threads.
 int64_t PruneFloaters(const std::vector<TrainView>& views, Gaussians* gaussians);
 
 }  // namespace oraclegs

@@ -19,7 +19,7 @@ std::vector<TrainView> CleanPhotos(std::vector<TrainView> views) {
   return views;
 }
 
-/// As far as they are trusted.
+/// The proposals with gated confidence and clean depth.
 std::vector<TrainView> CleanProposals(std::vector<TrainView> views, const TrainOptions& options) {
   CheckProposals(views);
   for (TrainView& view : views) {
@@ -34,7 +34,7 @@ std::vector<double> MeanConfidences(const std::vector<TrainView>& views) {
   return means;
 }
 
-/// Distances come from the photos, from proposals only where no photo knows any.
+/// Characteristic depth of the photos; that of the proposals where no photo has depth.
 double SceneDepth(const std::vector<TrainView>& photos, const std::vector<TrainView>& proposals) {
   const double depth = CharacteristicDepth(photos);
   return depth > 0 ? depth : CharacteristicDepth(proposals);
@@ -48,8 +48,8 @@ void CheckShares(const TrainOptions& options) {
   }
 }
 
-// Of depth losses that correlate: FSGS lowers its weight for the last twentieth of its run, SparseGS weighs patches
-// three times as much as the image.
+// Factors of correlating depth losses: FSGS lowers its weight for the last twentieth of its run, SparseGS weighs
+// patches three times as much as the image.
 constexpr double kLateShare = 0.95, kLateDepthFactor = kFsgsLateDepthWeight / kFsgsDepthWeight;
 constexpr double kPatchDepthFactor = kSparseGsPatchDepthWeight / kSparseGsDepthWeight;
 
@@ -110,7 +110,7 @@ LossTerms LossPlan::Terms(const SampledView& sampled, int64_t iteration) const {
   if (is_proposal && lpips_) {
     const double confidence = mean_confidence_[static_cast<size_t>(sampled.index)];
     const double weight = options_.proposal_weight * options_.proposal_lpips * confidence;
-    // The network takes most of the time: it is not asked for nothing.
+    // The network takes most of the time: skipped at weight 0.
     if (weight != 0) terms.Add({TermKind::kPerceptual, weight, ViewPlane::kImage});
   }
   if (CorrelatesDepth(options_)) {

@@ -1,6 +1,5 @@
 #pragma once
-// What a run learns from and what the loss of each iteration consists of, for every device: devices only evaluate
-// terms.
+// The views of a run and the terms of each iteration's loss, for every device: devices only evaluate terms.
 
 #include <array>
 #include <optional>
@@ -14,7 +13,8 @@
 
 namespace oraclegs {
 
-/// Photos are certain; proposals contribute as far as their confidence says, in the mean exposure of the photos.
+/// Views and LPIPS of a training. Photos are certain; proposals are weighted by their confidence and have the mean
+/// exposure of the photos.
 struct TrainingData {
   // Not explicit: photos alone are what most runs learn from.
   TrainingData(std::vector<TrainView> photos_in = {}, std::vector<TrainView> proposals_in = {},
@@ -23,7 +23,7 @@ struct TrainingData {
 
   std::vector<TrainView> photos;
   std::vector<TrainView> proposals;
-  PerceptualDistance lpips;  ///< of the proposals' loss; empty = there is no network
+  PerceptualDistance lpips;  ///< LPIPS for the proposals' loss; empty without a network
 };
 
 enum class TermKind {
@@ -41,11 +41,11 @@ enum class ViewPlane { kNone, kImage, kConfidence, kInvDepth, kDepthMask, kAlpha
 
 struct LossTerm {
   TermKind kind{};
-  double weight = 1;                                    ///< but of kPhotometric
-  ViewPlane target = ViewPlane::kNone;                  ///< what the render is compared with
-  ViewPlane mask = ViewPlane::kNone;                    ///< kNone: every pixel counts 1
-  PhotometricWeights photometric = {};                  ///< of kPhotometric
-  MaskMeaning mask_meaning = MaskMeaning::kConfidence;  ///< of kPhotometric
+  double weight = 1;                                    ///< unused by kPhotometric, see photometric
+  ViewPlane target = ViewPlane::kNone;                  ///< plane that the render is compared with
+  ViewPlane mask = ViewPlane::kNone;                    ///< kNone: every pixel has weight 1
+  PhotometricWeights photometric = {};                  ///< only for kPhotometric
+  MaskMeaning mask_meaning = MaskMeaning::kConfidence;  ///< only for kPhotometric
 };
 
 /// The loss of one iteration is the sum of its terms, added up in their order.
@@ -57,7 +57,7 @@ class LossTerms {
   const LossTerm* begin() const { return terms_.data(); }
   const LossTerm* end() const { return terms_.data() + count_; }
 
-  /// The exposure map that the render is seen through; it makes a step of this learning rate, none when that is 0.
+  /// The exposure map applied to the render. It is stepped with this learning rate; 0 = not stepped.
   std::optional<int> exposure;
   double exposure_rate = 0;
 
@@ -66,14 +66,14 @@ class LossTerms {
   int count_ = 0;
 };
 
-/// The views of a run and the terms of each (docs/method.md#losses):
-/// - of a photo: (1 - s) mean|I^ - I| + s mean(1 - SSIM), s = ssim_weight, where its mask counts, through its exposure
+/// The views of a run and the loss of each (docs/method.md#losses):
+/// - photo: (1 - s) mean|I^ - I| + s mean(1 - SSIM), s = ssim_weight, over the pixels of its mask, through its exposure
 ///   map when those are trained;
-/// - of a proposal: w ((1 - s - l) mean(|I^ - I| U) + s mean((1 - SSIM) U) + l mean(U) LPIPS(I^, I)), U the confidence,
-///   w = proposal_weight, s = proposal_ssim, l = proposal_lpips, whose share L1 gets where there is no network;
-/// - of a view with inv_depth also depth_weight * 0.01^t * CharacteristicDepth * mean(|inv_depth - rendered| *
-///   depth_mask) (docs/method.md#depth-term); w is a factor of this, too;
-/// - of a view with alpha also alpha_weight * mean(|alpha - rendered| * confidence).
+/// - proposal: w ((1 - s - l) mean(|I^ - I| U) + s mean((1 - SSIM) U) + l mean(U) LPIPS(I^, I)), U the confidence, w =
+///   proposal_weight, s = proposal_ssim, l = proposal_lpips, which is added to L1's share without a network;
+/// - view with inv_depth also: depth_weight * 0.01^t * CharacteristicDepth * mean(|inv_depth - rendered| * depth_mask)
+///   (docs/method.md#depth-term), for proposals times w;
+/// - view with alpha also: alpha_weight * mean(|alpha - rendered| * confidence).
 /// Iterations count from 1.
 class LossPlan {
  public:
@@ -82,6 +82,7 @@ class LossPlan {
   LossPlan(const TrainOptions& options, TrainingData data);
 
   LossTerms Terms(const SampledView& sampled, int64_t iteration) const;
+  /// The sampled view.
   const TrainView& View(const SampledView& sampled) const;
 
   const std::vector<TrainView>& photos() const { return photos_; }
@@ -93,7 +94,7 @@ class LossPlan {
   bool has_lpips() const { return static_cast<bool>(lpips_); }
   const PerceptualDistance& lpips() const { return lpips_; }
   const TrainOptions& options() const { return options_; }
-  /// Of the photos, where exposure maps start from; empty where they are not trained.
+  /// Start of each photo's exposure map; empty where no maps are trained.
   std::vector<ExposureMap> StartExposures() const;
 
  private:

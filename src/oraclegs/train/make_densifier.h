@@ -4,7 +4,7 @@
 
 namespace oraclegs {
 
-/// Of --densify.
+/// Makes the densifier of --densify.
 std::unique_ptr<Densifier> MakeDensifier(const DensifierSetup& setup);
 
 }  // namespace oraclegs

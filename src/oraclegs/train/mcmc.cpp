@@ -26,7 +26,7 @@ std::vector<double> Opacities(const Gaussians& gaussians) {
 /// Draws indices with probability proportional to their weights.
 class WeightedDraw {
  public:
-  /// Weights that are zero, negative or not a number are never drawn.
+  /// Takes the weights. Zero, negative and NaN ones are never drawn.
   WeightedDraw(const std::vector<double>& weights, uint64_t seed, RandomStream stream, int64_t iteration)
       : seed_(seed), stream_(stream), counter_(static_cast<uint64_t>(iteration) << 32) {
     double sum = 0;
@@ -79,8 +79,8 @@ void ZeroMoments(Adam* adam, int64_t at) {
   });
 }
 
-/// Gives every source that was drawn its new opacity and scale and zero moments, then makes Gaussian targets[k] a copy
-/// of sources[k].
+/// Gives every drawn source its new opacity and scale and zero moments, then makes Gaussian targets[k] a copy of
+/// sources[k].
 struct Sharing {
   const std::vector<double>& opacities;
   const std::vector<int64_t>& sources;
@@ -101,7 +101,7 @@ void Share(const Sharing& sharing, Gaussians* gaussians, Adam* adam) {
       ZeroMoments(adam, i);
     }
   });
-  // Targets are all different and none is a source.
+  // Targets are distinct and none is a source.
   ParallelBlocks(static_cast<int64_t>(sharing.sources.size()), kMcmcGrain, [&](int64_t begin, int64_t end) {
     for (int64_t k = begin; k < end; ++k) CopyRow(gaussians, sharing.sources[k], sharing.targets[k]);
   });

@@ -21,7 +21,7 @@ const BinomialTable& Binomials();
 int64_t RelocateDead(uint64_t seed, int64_t iteration, Gaussians* gaussians, Adam* adam);
 
 /// Grows to min(max_gaussians, floor(1.05 N)) by copies of Gaussians drawn by opacity (docs/method.md#mcmc-growth).
-/// Returns how many. The buffers of both are grown in place where their memory has room (Buffer::GrownTo).
+/// Returns the number added. Buffers are grown in place where their memory has room (Buffer::GrownTo).
 int64_t AddGaussians(uint64_t seed, int64_t iteration, int64_t max_gaussians, Gaussians* gaussians, Adam* adam);
 
 }  // namespace oraclegs

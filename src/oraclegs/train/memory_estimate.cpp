@@ -8,8 +8,8 @@
 namespace oraclegs {
 namespace {
 
-// Of a pixel: the gradients of the render, of its inverse depth and of its alpha, the render through an exposure map,
-// and the derivatives of the SSIM, nine, of which large images keep three at a time.
+// Bytes per pixel: the gradients of the render, of its inverse depth and of its alpha, the render through an exposure
+// map, and the nine derivatives of SSIM (large images keep three at a time).
 constexpr int64_t kLossBytesAPixel = (3 + 1 + 1 + 3 + 9) * 4;
 
 }  // namespace

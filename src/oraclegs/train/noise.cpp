@@ -27,7 +27,7 @@ namespace oraclegs {
 struct NoiseArrays {
   float* means;
   const float *log_scales, *quats, *logits;
-  const float* epsilon;  ///< [N,3], or null: drawn
+  const float* epsilon;  ///< [N,3]; null = drawn
 
   NoiseArrays From(int64_t i) const {
     return {means + 3 * i, log_scales + 3 * i, quats + 4 * i, logits + i, epsilon ? epsilon + 3 * i : nullptr};
@@ -40,7 +40,7 @@ struct NoiseArrays {
 HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
 
-/// One vector of Gaussians; the arrays begin with its first one.
+/// Moves one vector of Gaussians; `at` points to its first one.
 HWY_INLINE void MoveVector(const NoiseArrays& at, const NoiseConstants& noise, uint32_t first_index) {
   const FloatTag d;
   const Lanes gate = NoiseGate(Lanes(hn::LoadU(d, at.logits)));
@@ -60,12 +60,12 @@ HWY_INLINE void MoveVector(const NoiseArrays& at, const NoiseConstants& noise, u
   hn::StoreInterleaved3(mean[0].v, mean[1].v, mean[2].v, d, at.means);
 }
 
-/// Gaussians [begin, end).
+/// Adds the noise to Gaussians [begin, end).
 void AddNoiseBlock(const NoiseArrays& arrays, const NoiseConstants& noise, int64_t begin, int64_t end) {
   int64_t i = begin;
   for (; i + kLanes <= end; i += kLanes) MoveVector(arrays.From(i), noise, static_cast<uint32_t>(i));
   if (i == end) return;
-  // The last few, in a vector of their own.
+  // The remainder, in a vector of its own.
   float means[3 * kLanes] = {}, log_scales[3 * kLanes] = {}, quats[4 * kLanes], logits[kLanes] = {};
   float epsilon[3 * kLanes] = {};
   std::fill(std::begin(quats), std::end(quats), 1.f);

@@ -19,9 +19,9 @@ struct MeansNoise {
 };
 
 void AddNoise(const MeansNoise& noise, Gaussians* gaussians);
-/// The same for Gaussians [begin, end) alone, on this thread; how they are cut into blocks changes no bit.
+/// Adds the noise to Gaussians [begin, end) alone, on this thread. The partition into blocks changes no bit.
 void AddNoiseToBlock(const MeansNoise& noise, int64_t begin, int64_t end, Gaussians* gaussians);
-/// The same with epsilon [N,3] given; for tests.
+/// Adds the noise for given epsilon [N,3]; for tests.
 void AddNoiseFrom(const Buffer<float>& epsilon, double lr_means, Gaussians* gaussians);
 
 }  // namespace oraclegs

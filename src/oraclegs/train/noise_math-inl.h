@@ -23,7 +23,7 @@ namespace oraclegs::HWY_NAMESPACE {
 namespace oraclegs::cuda {
 #endif
 
-/// How much of the noise a Gaussian gets: 1 for the transparent, 0 for the opaque.
+/// Factor of a Gaussian's noise: 1 for the transparent, 0 for the opaque.
 template <class F>
 ORACLEGS_HD inline F NoiseGate(F logit) {
   return Sigmoid(F(-kGateSlope) * (Sigmoid(logit) - F(kDeadOpacity)));
@@ -71,8 +71,8 @@ ORACLEGS_HD inline void TimesCovariance(const F* q, const F* log_scale, F* e) {
   for (int i = 0; i < 3; ++i) e[i] = MulAdd(r[i][0], a[0], MulAdd(r[i][1], a[1], r[i][2] * a[2]));
 }
 
-/// Normal numbers become the displacement Sigma (e gate strength); zero where the gate is closed, whose products would
-/// be subnormal numbers, which are slow.
+/// Turns normal numbers into the displacement Sigma (e gate strength); zero where the gate is closed, whose products
+/// would be slow subnormal numbers.
 template <class F>
 ORACLEGS_HD inline void Displace(F gate, F strength, const F* q, const F* log_scale, F* e) {
   const F scaled = Select(IsMoved(gate), gate * strength, F(0.f));

@@ -1,5 +1,5 @@
 #pragma once
-// Who looks on while a model is trained.
+// Observers of a training.
 
 #include <cstdint>
 #include <functional>
@@ -12,17 +12,17 @@ namespace oraclegs {
 
 /// The training between two iterations. Valid during the call that gets it.
 struct TrainMoment {
-  int64_t iteration = 0;       ///< finished ones; 0 before the first
+  int64_t iteration = 0;       ///< finished iterations; 0 before the first
   int64_t total = 0;           ///< iterations of the whole training
-  double seconds = 0;          ///< of training, summed over resumed runs
-  const Gaussians& gaussians;  ///< on the device of the training; only to be read
-  /// Smoothed over the iterations. Waits for the device, and throws RunError where training has diverged.
+  double seconds = 0;          ///< training time, summed over resumed runs
+  const Gaussians& gaussians;  ///< on the device of the training; read-only
+  /// The smoothed loss. Waits for the device, and throws RunError where training has diverged.
   FunctionRef<double()> loss;
-  TermSums terms = {};  ///< of the iterations of this process
+  TermSums terms = {};  ///< sums over the iterations of this process
 };
 
-/// Is called before the first iteration and after each. What it does is no part of the result, but its time is part of
-/// the training's.
+/// Called before the first iteration and after each. It cannot change the result, but its time is part of the
+/// training's.
 using TrainObserver = std::function<void(const TrainMoment&)>;
 
 }  // namespace oraclegs

@@ -1,4 +1,4 @@
-// The factor of one Gaussian's opacity in one iteration; see opacity_factors.h. One body of code for all devices, as
+// The factor of one Gaussian's opacity in one iteration; see opacity_factors.h. One body of code for all devices, like
 // noise_math-inl.h.
 
 #if defined(ORACLEGS_TRAIN_OPACITY_FACTOR_MATH_INL_H_) == defined(HWY_TARGET_TOGGLE)
@@ -21,7 +21,7 @@ namespace oraclegs::HWY_NAMESPACE {
 namespace oraclegs::cuda {
 #endif
 
-/// From Philox::Draw(seed, kOpacityFactors, iteration << 32 | index). The normal number is Box and Muller's.
+/// The factor from Philox::Draw(seed, kOpacityFactors, iteration << 32 | index), with a Box-Muller normal number.
 template <class F, class U>
 ORACLEGS_HD inline F OpacityFactor(const OpacityConstants& constants, U index) {
   U words[4] = {index, U(constants.iteration), U(static_cast<uint32_t>(RandomStream::kOpacityFactors)), U(uint32_t{0})};

@@ -1,7 +1,7 @@
 #pragma once
-// What keeps Gaussians from conspiring: with few photos, groups of them learn to look right together from the
-// training views and from nowhere else. Each iteration draws for every Gaussian a factor of its opacity, so that none
-// can rely on its neighbors' being just as they are.
+// Random opacity factors against co-adaptation: with few photos, groups of Gaussians learn to look right together from
+// the training views only. Each iteration draws a factor of every Gaussian's opacity, so that none can rely on its
+// neighbors.
 
 #include <cstdint>
 
@@ -9,7 +9,7 @@
 
 namespace oraclegs {
 
-/// The factors of one iteration; those that stay 1 by both numbers need not be drawn (IsActive).
+/// The factors of one iteration; where both numbers leave all factors at 1 they need not be drawn (IsActive).
 struct OpacityPerturbation {
   uint64_t seed = 0;
   int64_t iteration = 0;
@@ -23,7 +23,7 @@ struct OpacityPerturbation {
 };
 
 /// DropGaussian's schedule: the probability grows linearly to `dropout` at the end of the run. 0 in the last iteration,
-/// whose loss is that of the model as it will be used.
+/// whose loss is that of the final model.
 double DropProbability(double dropout, int64_t iteration, int64_t iterations);
 
 /// Writes the factors of Gaussians 0 .. N-1 into `factors` [N]. Each is a pure function of (seed, iteration, index).

@@ -9,7 +9,7 @@
 
 namespace oraclegs {
 
-/// How the share of iterations that take a proposal changes over the run.
+/// How the fraction of iterations that take a proposal changes over the run.
 enum class ScheduleKind { kPaper, kConstant, kUnion, kNone };
 template <>
 struct EnumWords<ScheduleKind> {
@@ -19,12 +19,12 @@ struct EnumWords<ScheduleKind> {
                                                       {ScheduleKind::kNone, "none"}};
 };
 
-/// What the depth term compares.
+/// Quantity that the depth term compares.
 enum class DepthLoss {
   kRelative,     ///< inverse depths in units of the scene's typical distance, weighted by their confidence
   kPaper,        ///< inverse depths in units of the run under a mask of 0 and 1 (equation 5 of the OracleGS paper)
   kCorrelation,  ///< 1 - the correlation of inverse depths (FSGS); on a CPU
-  kPatchedCorrelation,  ///< the same, and of random patches (SparseGS); on a CPU
+  kPatchedCorrelation,  ///< kCorrelation plus that of random patches (SparseGS); on a CPU
 };
 template <>
 struct EnumWords<DepthLoss> {
@@ -47,10 +47,10 @@ struct EnumWords<ShMoments> {
       {ShMoments::kFull, "full"}, {ShMoments::kHalf, "half"}, {ShMoments::kCompact, "compact"}};
 };
 
-/// Of a training that nothing else is known of.
+/// Defaults where nothing chooses a size.
 inline constexpr int kUsualIterations = 7000, kUsualMaxGaussians = 100000;
 
-/// What 3DGS has for its 30000 iterations.
+/// Values of 3DGS for its 30000 iterations.
 inline constexpr int kUsualRefineStart = 500, kUsualRefineEvery = 100, kUsualShDegreeInterval = 1000;
 
 /// Everything that decides the numbers of a training run.
@@ -89,7 +89,8 @@ struct TrainOptions {
   int random_points = 100000;
   BaselineOptions baseline;
 
-  /// Nothing automatic is left: it becomes what 3DGS has, which is off, and the usual sizes.
+  /// The options with every automatic value replaced: by the default sizes, and otherwise by what 3DGS does, mostly
+  /// "off".
   TrainOptions Settled() const {
     TrainOptions settled = *this;
     settled.iterations = iterations.ValueOr(kUsualIterations);
@@ -107,10 +108,10 @@ struct TrainOptions {
     return settled;
   }
 
-  /// The iterations over which rates, weights and shares run their course; of settled options.
+  /// Number of iterations that the schedules of rates and weights span. Options must be settled.
   int64_t Horizon() const { return horizon > 0 ? horizon : iterations.value(); }
 
-  /// How often proposals are drawn, as --schedule says; as the paper does where nothing is said.
+  /// Probability schedule of proposals, as --schedule says; the paper's for auto.
   ProposalSchedule Proposals() const {
     if (schedule == ScheduleKind::kNone) return {0, 0};
     return {synthetic_floor.ValueOr(ProposalSchedule().floor),

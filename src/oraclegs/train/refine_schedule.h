@@ -1,14 +1,13 @@
 #pragma once
-// In which iterations Gaussians become more or fewer. Iterations count from 1.
+// Iterations in which Gaussians are added or removed. Iterations count from 1.
 
 #include "oraclegs/train/options.h"
 
 namespace oraclegs {
 
 /// Whether Densifier::Refine changes the Gaussians after this iteration: every --refine-every between --refine-start
-/// and
-/// --refine-stop, of settled options. Never after the last one, whose model is scored: nothing would settle what is
-/// moved then.
+/// and --refine-stop, of settled options. Never after the last iteration, whose model is scored without further
+/// training.
 bool Refines(const TrainOptions& options, int64_t iteration);
 
 /// Whether --densify adaptive resets all opacities after this iteration: at --opacity-reset-first and every

@@ -1,5 +1,5 @@
 #pragma once
-// What keeps Gaussians small and transparent where no image needs them (docs/method.md#regularizers).
+// Regularizers that keep Gaussians small and transparent where no image needs them (docs/method.md#regularizers).
 
 #include <cstdint>
 #include <vector>
@@ -13,25 +13,25 @@ namespace oraclegs {
 struct RegularizerOptions {
   double opacity = 0, scale = 0;
 
-  /// Of one entry of n Gaussians.
+  /// Weights per entry for n Gaussians.
   RegularizerSums PerEntry(int64_t n) const {
     return {opacity / static_cast<double>(n), scale / (3 * static_cast<double>(n))};
   }
 };
 
-/// opacity_reg * mean |o| + scale_reg * mean |s|, a block of Gaussians at a time. One object serves many iterations:
-/// it reuses its memory.
+/// opacity_reg * mean |o| + scale_reg * mean |s|, a block of Gaussians at a time. Reusable over iterations; keeps its
+/// memory.
 class Regularizers {
  public:
-  /// Reads `gaussians`, which must not be replaced, until the last AddTo. Throws ShapeError.
+  /// Begins with `gaussians`, which must not be replaced until the last AddTo. Throws ShapeError.
   void Begin(const Gaussians& gaussians, const RegularizerOptions& options);
 
-  /// Adds the gradients of Gaussians [begin, end) to their rows, the first one for `begin`, and remembers what they add
-  /// to the value. `begin` is a multiple of kGradBlock, and so is `end` unless it is the last. Different blocks may be
+  /// Adds the gradients of Gaussians [begin, end) to `grads`, whose first row belongs to `begin`, and keeps their part
+  /// of the value. `begin` is a multiple of kGradBlock, and so is `end` unless it is the last. Different blocks may be
   /// added from several threads at once.
   void AddTo(int64_t begin, int64_t end, const GaussianRows& grads);
 
-  /// After all blocks. The same bits however they were cut.
+  /// The value after all blocks. The partition into blocks changes no bit.
   double Value() const;
 
  private:
@@ -40,7 +40,7 @@ class Regularizers {
   std::vector<RegularizerSums> sums_;  // of kGradBlock Gaussians each
 };
 
-/// All blocks at once, on all threads; returns the value.
+/// Adds all blocks at once, on all threads. Returns the value.
 double AddRegularizers(const Gaussians& gaussians, const RegularizerOptions& options, Gaussians* grads);
 
 }  // namespace oraclegs

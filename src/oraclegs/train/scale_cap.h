@@ -1,6 +1,6 @@
 #pragma once
-// Gaussians beside what the photos show have nothing to keep them small: a few grow until their tails veil every
-// view that is taken a little aside.
+// Oversized Gaussians: outside what the photos show nothing keeps Gaussians small, and a few grow until their tails put
+// a haze over every view that is taken a little aside.
 
 #include <vector>
 
@@ -9,11 +9,11 @@
 
 namespace oraclegs {
 
-/// Of the views' cameras, world, [views,3].
+/// Centers of the views' cameras in the world, [views,3].
 std::vector<float> CameraCenters(const std::vector<TrainView>& views);
 
-/// Scales become at most `share` (> 0) of the distance between the Gaussian's center and the nearest of `centers`
-/// ([n,3]); without any, all stay as they are. The same bits for any number of threads. Throws ShapeError.
+/// Caps scales at `share` (> 0) of the distance between the Gaussian's center and the nearest of `centers` ([n,3]).
+/// Without centers all scales stay. The result does not depend on the number of threads. Throws ShapeError.
 void CapScales(const std::vector<float>& centers, double share, Gaussians* gaussians);
 
 }  // namespace oraclegs

@@ -17,12 +17,12 @@ double Progress(int64_t iteration, int64_t iterations) {
   return std::clamp(static_cast<double>(iteration) / static_cast<double>(iterations), 0.0, 1.0);
 }
 
-/// From first at t = 0 to last at t = 1.
+/// Log-linear interpolation from `first` at t = 0 to `last` at t = 1.
 double LogLinear(double first, double last, double t) {
   return std::exp((1 - t) * std::log(first) + t * std::log(last));
 }
 
-/// Beta(2,4)'s density over 20: 0 at both ends, largest at t = 1/4.
+/// Density of Beta(2,4) over 20: 0 at t = 0 and 1, largest at t = 1/4.
 double Bump(double t) { return t * (1 - t) * (1 - t) * (1 - t); }
 
 }  // namespace

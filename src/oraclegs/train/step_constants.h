@@ -1,5 +1,5 @@
 #pragma once
-// What of one training step is the same for all Gaussians, on every device.
+// Values of one training step that are the same for all Gaussians, on every device.
 
 #include <cstdint>
 
@@ -9,7 +9,7 @@ namespace oraclegs {
 
 /// Learning rates of one step, by parameter group.
 struct LearningRates {
-  double means = 0;  ///< already times extent and schedule
+  double means = 0;  ///< includes extent and schedule
   double log_scales = 0.005;
   double quats = 0.001;
   double opacity_logits = 0.05;
@@ -21,14 +21,14 @@ struct LearningRates {
   }
 };
 
-/// How Adam remembers spherical harmonics (docs/method.md#adam).
+/// Storage of the moments of spherical harmonics (docs/method.md#adam).
 enum class ShMoments {
-  kFull,     ///< both moments of each coefficient in float32
-  kHalf,     ///< both in bfloat16, the second one rounded at random
-  kCompact,  ///< the first in bfloat16, the second one for all coefficients of a Gaussian
+  kFull,     ///< first and second moment of each coefficient in float32
+  kHalf,     ///< first and second moment in bfloat16, the second rounded at random
+  kCompact,  ///< the first in bfloat16, one second moment for all coefficients of a Gaussian
 };
 
-/// Rows of both moments of neighboring Gaussians.
+/// Rows of the moments of neighboring Gaussians.
 struct MomentRows {
   GaussianRows m, v;              ///< sh null unless full
   uint16_t* sh_m = nullptr;       ///< [m,48] bfloat16; null where full
@@ -46,33 +46,33 @@ struct MomentRows {
   }
 };
 
-/// Of Adam. Learning rates are times 1 / (1 - beta1^t).
+/// Constants of one step of Adam. Learning rates include 1 / (1 - beta1^t).
 struct AdamConstants {
   float correction2_root;  ///< 1 / sqrt(1 - beta2^t)
   float means, log_scales, quats, opacity_logits;
   float sh[kShFloats];
-  int sh_active;   ///< floats of a row of sh that are trained
+  int sh_active;   ///< trained floats of a row of sh
   uint32_t noise;  ///< step * kNoiseOfStep, for RoundingNoise
 };
 
-/// Of the regularizers, per entry: their weights in the loss over N, or 3 N.
+/// Weights of the regularizers per entry: their weights in the loss over N (opacity) or 3 N (scale).
 struct RegularizerWeights {
   float opacity = 0, scale = 0;
 };
 
-/// Of some Gaussians.
+/// Regularizer sums over a set of Gaussians.
 struct RegularizerSums {
   double opacity = 0, scale = 0;
 };
 
-/// Of the noise.
+/// Constants of one step's position noise.
 struct NoiseConstants {
   uint64_t seed = 0;
   uint32_t iteration = 0;
   float strength = 0;  ///< 5e5 * lr_means
 };
 
-/// Of the factors of opacity; see opacity_factors.h.
+/// Constants of one iteration's opacity factors; see opacity_factors.h.
 struct OpacityConstants {
   uint64_t seed = 0;
   uint32_t iteration = 0;

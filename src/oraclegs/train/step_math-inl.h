@@ -21,7 +21,7 @@ namespace oraclegs::HWY_NAMESPACE {
 namespace oraclegs::cuda {
 #endif
 
-/// A parameter and its moments.
+/// A parameter with its two moments.
 template <class F>
 struct AdamNumber {
   F value, m, v;
@@ -34,7 +34,7 @@ ORACLEGS_HD inline F NextFirstMoment(F gradient, F m) {
   return Select(Abs(next) < F(kSmallestMoment), F(0.f), next);
 }
 
-/// square: of the gradient.
+/// The next second moment. square: squared gradient.
 template <class F>
 ORACLEGS_HD inline F NextSecondMoment(F square, F v) {
   const F beta2(static_cast<float>(kAdamBeta2)), rest2(static_cast<float>(1 - kAdamBeta2));
@@ -42,13 +42,13 @@ ORACLEGS_HD inline F NextSecondMoment(F square, F v) {
   return Select(next < F(kSmallestMoment), F(0.f), next);
 }
 
-/// sqrt(v_hat) + epsilon. correction2_root: 1 / sqrt(1 - beta2^t).
+/// Denominator of a step, sqrt(v_hat) + epsilon. correction2_root: 1 / sqrt(1 - beta2^t).
 template <class F>
 ORACLEGS_HD inline F RootOf(F v, F correction2_root) {
   return MulAdd(Sqrt(v), correction2_root, F(static_cast<float>(kAdamEpsilon)));
 }
 
-/// A step of Adam. rate: learning rate / (1 - beta1^t).
+/// Takes a step of Adam. rate: learning rate / (1 - beta1^t).
 template <class F>
 ORACLEGS_HD inline void StepNumber(F gradient, F rate, F correction2_root, AdamNumber<F>* n) {
   n->m = NextFirstMoment(gradient, n->m);
@@ -56,9 +56,9 @@ ORACLEGS_HD inline void StepNumber(F gradient, F rate, F correction2_root, AdamN
   n->value = n->value - rate * n->m / RootOf(n->v, correction2_root);
 }
 
-/// What a second moment is rounded by (ToBfloat16AtRandom), from the bits of it and of its parameter and the number of
-/// the step: the same when a run is repeated, and unrelated from step to step also where only the step changes. U:
-/// uint32_t, or lanes of it.
+/// Random bits for rounding a second moment (ToBfloat16AtRandom), hashed from its bits, those of its parameter and the
+/// number of the step: reproducible, and uncorrelated from step to step also where only the step changes. U: uint32_t,
+/// or lanes of it.
 template <class U>
 struct RoundingNoise {
   U of_value, of_moment, mix, shift, step;
@@ -69,9 +69,9 @@ struct RoundingNoise {
   }
 };
 
-/// The mean square of the gradients of all active coefficients of one Gaussian, from those of the constant one. They
-/// are the color's gradient times the harmonics, and the squares of harmonics up to a degree have the constant one's
-/// mean in every direction.
+/// Mean squared gradient over all active coefficients of one Gaussian, from that of the constant coefficient. Gradients
+/// of coefficients are the color's gradient times the harmonics, and the squares of all harmonics up to a degree have
+/// the constant one's mean in every direction.
 template <class F>
 ORACLEGS_HD inline F MeanShSquare(F red, F green, F blue) {
   return (red * red + green * green + blue * blue) * F(1 / 3.f);

@@ -1,5 +1,5 @@
 #pragma once
-// Where the time of training goes.
+// Time of training by stage.
 
 #include <algorithm>
 #include <array>
@@ -13,12 +13,12 @@ namespace oraclegs {
 /// Milliseconds of an iteration, or means over several, by stage.
 struct TrainTimings {
   RenderTimings render;  ///< gaussian_backward: with regularizers, Adam and, unless it refines, noise
-  double parts = 0;      ///< of other methods, beside the view
+  double parts = 0;      ///< parts of other methods, beside the view
   double loss = 0;       ///< photometric, with exposure, and depth
   double refine = 0;     ///< relocation and growth, with the noise of iterations that do so
   double total = 0;
 
-  /// The stages, in the order of the declaration; Trainer::Run measures the total apart.
+  /// The stages in the order of declaration; without `total`, which Trainer::Run measures.
   std::array<double*, 9> Stages() {
     return {&render.project, &render.bin, &render.blend, &render.blend_backward, &render.gaussian_backward, &parts,
             &loss,           &refine,     &total};
@@ -28,7 +28,7 @@ struct TrainTimings {
     for (size_t k = 0; k < Stages().size(); ++k) *Stages()[k] += *other.Stages()[k];
   }
 
-  /// This sum over so many iterations.
+  /// These sums divided by the number of iterations.
   TrainTimings Mean(int64_t iterations) const {
     TrainTimings mean = *this;
     for (double* stage : mean.Stages()) *stage /= static_cast<double>(std::max<int64_t>(iterations, 1));
@@ -36,7 +36,7 @@ struct TrainTimings {
   }
 };
 
-/// Seconds since it was made.
+/// Seconds since construction.
 class Stopwatch {
  public:
   double Seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }

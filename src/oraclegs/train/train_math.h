@@ -1,6 +1,6 @@
 #pragma once
-// The mathematics of one Gaussian's, or one number's, training, for host and device. What the CPU does in vectors
-// stands in its own files.
+// The mathematics of training one Gaussian, or one number, for host and device. Vectorized code of the CPU is in its
+// own files.
 
 #include <cmath>
 #include <cstdint>
@@ -18,12 +18,12 @@ ORACLEGS_HD inline double LogitOf(double opacity) { return std::log(opacity) - s
 /// (docs/method.md#mcmc-relocation).
 struct Relocated {
   double opacity = 0;            ///< clamped to [0.005, 1 - 2^-23]
-  double opacity_unclamped = 0;  ///< what the scale was computed from
+  double opacity_unclamped = 0;  ///< the opacity that the scale was computed from
   double scale_ratio = 0;
 };
 
-/// In double: the sum alternates, and for o -> 1 and large n float32 would lose several digits. n is in 1 .. kMaxShare;
-/// choose[k] is C(n, k).
+/// Solves for the opacity and scale of n copies in double: the sum alternates, and for o -> 1 and large n float32 would
+/// lose several digits. n is in 1 .. kMaxShare; choose[k] is C(n, k).
 ORACLEGS_HD inline Relocated RelocateBy(double opacity, int n, const double* choose) {
   Relocated r;
   r.opacity_unclamped = -std::expm1(std::log1p(-opacity) / n);
@@ -32,7 +32,7 @@ ORACLEGS_HD inline Relocated RelocateBy(double opacity, int n, const double* cho
     power *= r.opacity_unclamped;
     sum += choose[k + 1] * (k % 2 ? -power : power) / std::sqrt(k + 1.0);
   }
-  // The sum tends to the opacity where that tends to zero; there 0/0 stands for 1.
+  // For opacity 0 the ratio is 0/0, whose limit is 1.
   r.scale_ratio = opacity > 0 ? opacity / sum : 1;
   r.opacity = r.opacity_unclamped < kMinOpacity   ? kMinOpacity
               : r.opacity_unclamped > kMaxOpacity ? kMaxOpacity
@@ -40,12 +40,12 @@ ORACLEGS_HD inline Relocated RelocateBy(double opacity, int n, const double* cho
   return r;
 }
 
-/// Uniform in [0, 1), 53 bits, of the draw of this number; for weighted draws.
+/// Uniform number in [0, 1), 53 bits, of this counter; for weighted draws.
 ORACLEGS_HD inline double DrawUniform(uint64_t seed, RandomStream stream, uint64_t counter) {
   return Philox::Draw(seed, static_cast<uint64_t>(stream), counter).Uniform();
 }
 
-/// How many Gaussians n of them grow by: 5 %, to at most `max`.
+/// Number of Gaussians to add to n: 5 %, to at most `max` in all.
 inline int64_t GrowthOf(int64_t n, int64_t max) {
   const int64_t grown = n + n / 20 < max ? n + n / 20 : max;
   return grown > n ? grown - n : 0;
@@ -63,12 +63,13 @@ ORACLEGS_HD inline float LogScaleCap(const float* mean, const float* centers, in
   return log_share + 0.5f * std::log(nearest > kMinSquared ? nearest : kMinSquared);
 }
 
-/// What the views say of one Gaussian's center; see floaters.h.
+/// Votes of the views about one Gaussian's center; see floaters.h.
 struct FloaterVotes {
   int before = 0, agree = 0;
-  bool beside = false;  ///< beside a silhouette: no number of other views puts a surface there
+  bool beside = false;  ///< beside a silhouette in some view: no number of other views puts a surface there
 
-  /// ratio: z times the inverse depth under the center, 1 on the surface, less before it, 0 where there is none at all.
+  /// Adds a vote. ratio: z times the inverse depth under the center; 1 on the surface, less before it, 0 where the
+  /// pixel is empty.
   ORACLEGS_HD inline void Add(double ratio) {
     beside = beside || ratio == 0;
     before += ratio * kFloaterRatio < 1;
@@ -77,7 +78,7 @@ struct FloaterVotes {
   ORACLEGS_HD inline bool IsFloater() const { return beside || (before > 0 && before >= agree); }
 };
 
-/// One number of an exposure map: a step of Adam, the t-th of its photo.
+/// One entry of an exposure map with its moments and its photo's step number t.
 struct ExposureEntry {
   float value, m, v;
 };

@@ -47,7 +47,7 @@ void CheckView(const TrainView& view) {
   CheckShares(view, "alpha", view.alpha);
 }
 
-/// One channel of a photo, which has as many numbers as it has pixels.
+/// One channel of a photo, which has one number per pixel.
 template <class T>
 Buffer<float> Plane(const std::vector<T>& values, const char* what, const LoadedView& photo) {
   const int64_t height = photo.rgb.height, width = photo.rgb.width;

@@ -1,5 +1,5 @@
 #pragma once
-// What the trainer knows of one photo, or of one proposal.
+// A photo or a proposal as the trainer uses it.
 
 #include <string>
 #include <vector>
@@ -16,44 +16,44 @@ struct TrainView {
   std::string name;
   Camera camera;
   Buffer<float> image;  ///< [H,W,3]
-  /// [H,W] in [0,1], undefined = 1 everywhere; a mask for photos, U for proposals. WeightByCovisibility makes it a
-  /// weight of photos, which may exceed 1.
+  /// Weight of each pixel, [H,W] in [0,1], undefined = 1 everywhere: the mask of a photo, the confidence U of a
+  /// proposal. WeightByCovisibility may set weights of photos above 1.
   Buffer<float> confidence;
-  Buffer<float> inv_depth =
-      {};  ///< [H,W] 1/z, 1/world unit, 0 = nothing is there; undefined = no depth of this view is known
-  Buffer<float> depth_mask =
-      {};                    ///< [H,W] in [0,1], how much inv_depth counts, 0 = unknown; defined where inv_depth is
-  Buffer<float> alpha = {};  ///< [H,W] in [0,1], how much of the pixel the scene covers; undefined = unknown
-  ExposureMap exposure = kIdentityExposure;  ///< where its exposure starts from, when that is trained
+  Buffer<float> inv_depth = {};   ///< [H,W] 1/z, 1/world unit, 0 = empty; undefined = the view has no known depth
+  Buffer<float> depth_mask = {};  ///< [H,W] in [0,1], weight of inv_depth, 0 = unknown; defined where inv_depth is
+  Buffer<float> alpha = {};       ///< [H,W] in [0,1], fraction of the pixel that the scene covers; undefined = unknown
+  ExposureMap exposure = kIdentityExposure;  ///< start of the photo's exposure map, when that is trained
 };
 
-/// Without depth; with alpha where the photo has any. Throws ShapeError when the photo's buffers do not fit its size.
+/// Converts a photo, without depth; with alpha where the photo has any. Throws ShapeError when the photo's buffers do
+/// not fit its size.
 TrainView ToTrainView(const LoadedView& photo);
 
-/// Throws UsageError when there is no view, ShapeError when a tensor does not fit its camera, when only one of
-/// inv_depth and depth_mask is there, when an inverse depth that counts is not finite, or an alpha not in [0, 1].
+/// Throws UsageError when there is no view; ShapeError when a tensor does not fit its camera, when only one of
+/// inv_depth and depth_mask is defined, when an inverse depth of positive mask is not finite, or when an alpha is not
+/// in [0, 1].
 void CheckViews(const std::vector<TrainView>& views);
 
-/// The same of proposals, of which there may be none; also throws ShapeError where a confidence is not in [0, 1].
+/// Throws as CheckViews for proposals, but allows none; also throws ShapeError where a confidence is not in [0, 1].
 void CheckProposals(const std::vector<TrainView>& proposals);
 
-/// Mean over the pixels; 1 where it is undefined, which stands for 1 everywhere.
+/// Mean over the pixels; 1 for an undefined buffer, which stands for 1 everywhere.
 double MeanConfidence(const Buffer<float>& confidence);
 
-/// Where the views were taken from, in their order.
+/// Cameras of the views, in their order.
 std::vector<Camera> Cameras(const std::vector<TrainView>& views);
 
-/// The proposal whose pixels of less confidence than `gate` count nothing, and the others confidence^power; what has no
-/// confidence never counts. The tensors of `proposal` are not written.
+/// The proposal with confidence 0 below `gate` and confidence^power elsewhere; pixels of confidence 0 stay 0. The
+/// tensors of `proposal` are not written.
 TrainView WithGatedConfidence(TrainView proposal, double gate, double power);
 
-/// The same view whose depth counts only where its photo does (confidence > 0) and is zero where it does not
-/// count, so that what stands there, also what is not a number, reaches nothing. A depth that counts nowhere is
-/// dropped. The tensors of `view` are not written.
+/// The view with depth only where its photo is unmasked (confidence > 0), and zero elsewhere, so that values under the
+/// mask, NaN included, have no effect. A depth that is masked everywhere is dropped. The tensors of `view` are not
+/// written.
 TrainView WithCleanDepth(TrainView view);
 
-/// The distance a scene has on the whole: 1 / m, m the median over the views of the median inverse depth over the
-/// pixels that count. 0 when no view has depth. Views as WithCleanDepth leaves them.
+/// Typical distance of the scene: 1 / m, m the median over the views of the median inverse depth over the unmasked
+/// pixels. 0 when no view has depth. Expects views as WithCleanDepth returns them.
 ///
 /// It is the unit of the depth term: weight * CharacteristicDepth * mean(|1/z - 1/z*| M) does not change when poses and
 /// depths are measured in another unit, and is the term of [Kerbl 2024] where the characteristic depth is 1.

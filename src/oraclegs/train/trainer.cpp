@@ -53,7 +53,7 @@ struct Trainer::State {
   void ReportLimitations(const Listener& listener) const;
   bool IsLast(int64_t i) const { return i >= options.iterations.value(); }
 
-  // What a run is.
+  // Setup of the run.
   TrainOptions options;
   uint64_t seed, view_seed;
   std::array<float, 3> background;
@@ -62,7 +62,7 @@ struct Trainer::State {
   MethodParts parts;
   std::unique_ptr<TrainDevice> device;
 
-  // What a checkpoint holds, with the exposure maps and the smoothed loss, which the device has.
+  // State in the checkpoint, together with the exposure maps and the smoothed loss, which the device holds.
   int64_t iteration = 0;
   TrainedModel model;  // on the device
   ViewSampler sampler;
@@ -70,7 +70,7 @@ struct Trainer::State {
   nlohmann::json run_options;
   bool restored = false;
 
-  // What is only reused.
+  // Scratch.
   TrainTimings last_timings, timings;  // of the last iteration; sums
   int64_t timed_since = 0;             // iteration
 };
@@ -87,13 +87,13 @@ Iteration Trainer::State::NextIteration() {
   next.moves = !IsLast(i);
   next.refines = Refines(options, i);
   next.resets_opacities = ResetsOpacities(options, background == std::array<float, 3>{1, 1, 1}, i);
-  // Also after the last relocation: what is large grows until the end.
+  // Also after the last relocation, since oversized Gaussians grow until the end.
   next.caps_scales = options.largest_scale > 0 && i % options.refine_every.value() == 0;
   return next;
 }
 
-/// Undefined, which the rasterizer takes for 1 at no cost, where no opacity is perturbed. The last iteration shows the
-/// model as it will be used.
+/// Opacity factors of the iteration. Undefined, which the rasterizer takes for 1 at no cost, where no opacity is
+/// perturbed, as in the last iteration, whose loss is that of the final model.
 Buffer<float> Trainer::State::OpacityFactors() {
   const int64_t i = iteration + 1;
   const OpacityPerturbation perturbation{seed, i,

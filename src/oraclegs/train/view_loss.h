@@ -13,7 +13,7 @@ namespace oraclegs {
 struct ViewLossResult {
   double loss = 0;
   PhotometricValue photometric;
-  double depth = 0, alpha = 0;  ///< these terms, with their weights
+  double depth = 0, alpha = 0;  ///< the depth and alpha terms, with their weights
   RenderGrads grads;            ///< valid until the next view's
 };
 
@@ -23,12 +23,12 @@ class ViewLoss {
   /// `plan` outlives this.
   explicit ViewLoss(const LossPlan& plan);
 
-  /// out: the render of plan.View(sampled). seed: of patches that are drawn. Throws RunError when the loss
-  /// is not finite, before an exposure map learns from it. The last iteration moves no map. Depth and alpha of grads
-  /// stay undefined, which the rasterizer takes for zero at no cost, where the loss has no such term.
+  /// Returns the loss and its gradients. out: the render of plan.View(sampled). seed: for random patches. Throws RunError
+  /// when the loss is not finite, before an exposure map is stepped. The last iteration steps no map. Depth and alpha of
+  /// grads stay undefined, which the rasterizer takes for zero at no cost, where the loss has no such term.
   ViewLossResult operator()(const SampledView& sampled, int64_t iteration, const RenderOutput& out, uint64_t seed = 0);
 
-  /// nullptr where they are not trained.
+  /// The exposure maps; nullptr where they are not trained.
   Exposures* exposures() { return exposures_ ? &*exposures_ : nullptr; }
   const Exposures* exposures() const { return exposures_ ? &*exposures_ : nullptr; }
 

@@ -27,8 +27,8 @@ ViewSampler::ViewSampler(uint64_t seed, int photos, int proposals)
 }
 
 SampledView ViewSampler::Next(double p_synthetic) {
-  // The number is drawn even when it cannot matter, so that the order of photos does not depend on the proposals'
-  // being there.
+  // The number is drawn even when it cannot matter, so that the order of photos does not depend on the presence of
+  // proposals.
   const bool wants_proposal = rng_.Uniform() < p_synthetic;
   const bool proposal = num_photos_ == 0 || (wants_proposal && num_proposals_ > 0);
   std::vector<int64_t>& stack = proposal ? proposals_ : photos_;

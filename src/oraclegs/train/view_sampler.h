@@ -27,10 +27,10 @@ class ViewSampler {
   struct State {
     std::vector<int64_t> photos, proposals;
     uint64_t counter = 0;
-    int64_t num_photos = 0, num_proposals = 0;  ///< a stack alone does not tell of how many views it is the rest
+    int64_t num_photos = 0, num_proposals = 0;  ///< needed beside the stacks, which shrink as views are drawn
   };
   State state() const;
-  /// Throws InputError when the state is of another number of views.
+  /// Restores the state. Throws InputError when it is of another number of views.
   void Restore(const State& state);
 
  private:

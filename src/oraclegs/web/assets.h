@@ -13,13 +13,13 @@ struct WebAsset {
 };
 
 /// The embedded file of that name: "viewer.html", "viewer.js", "viewer.css", "report.html" (a template, see page.h),
-/// "report.js", "report.css". Nothing for any other name, and for every name when the pages were not built.
+/// "report.js", "report.css". nullopt for any other name, and for every name when the pages were not built.
 std::optional<WebAsset> FindWebAsset(std::string_view name);
 
-/// Whether the pages are part of this program. They are when web/node_modules was there at build time.
+/// Whether the pages are part of this program. They are when web/node_modules existed at build time.
 bool WebPagesBuilt();
 
-/// How to get the pages, as the end of a message: one sentence without a full stop.
+/// Advice on how to get the pages, the end of a message: one sentence without a full stop.
 std::string_view HowToBuildWebPages();
 
 }  // namespace oraclegs

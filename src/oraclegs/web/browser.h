@@ -7,10 +7,10 @@
 namespace oraclegs {
 
 /// The command that opens `url`: the first one of $BROWSER (commands between colons, %s stands for the address), else
-/// xdg-open where there is a display. Nothing where neither is there. No shell sees it.
+/// xdg-open where there is a display; nullopt where neither exists. It is run without a shell.
 std::optional<std::vector<std::string>> BrowserCommand(const std::string& url);
 
-/// Starts that command, which goes on by itself. False when there is none, or when it fails at once.
+/// Starts that command without waiting for its end. False when there is none, or when it fails at once.
 bool OpenBrowser(const std::string& url);
 
 }  // namespace oraclegs

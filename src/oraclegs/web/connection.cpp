@@ -78,7 +78,7 @@ ssize_t Connection::write(const char* from, size_t size) {
   return n;
 }
 
-// Nobody asks: addresses are neither logged nor compared.
+// Unused: addresses are neither logged nor compared.
 void Connection::get_remote_ip_and_port(std::string& ip, int& port) const { ip.clear(), port = 0; }
 void Connection::get_local_ip_and_port(std::string& ip, int& port) const { ip.clear(), port = 0; }
 

@@ -1,5 +1,5 @@
 #pragma once
-// One connection of the server: limits on what a client may send and on how long it may take.
+// One connection of the server: limits on the size and the duration of a client's requests.
 
 #include <httplib.h>
 
@@ -14,14 +14,14 @@ namespace oraclegs {
 /// bytes, not the number of lines nor the time of a request. It owns the socket.
 class Connection : public httplib::Stream {
  public:
-  /// `stopping` ends all waits when it becomes true.
+  /// Takes the socket. `stopping` ends all waits when it becomes true.
   Connection(int socket, const std::atomic<bool>& stopping) : socket_(socket), stopping_(stopping) {}
-  /// Closes it, after what was still sent has been read for a moment: else the client might lose the answer.
+  /// Closes the socket, after reading for a moment what was still sent: otherwise the client might lose the answer.
   ~Connection() override;
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  /// Waits for the next request, a few seconds; false when none comes. Then its limits begin to count.
+  /// Waits for the next request, a few seconds; false when none comes. The request's limits begin then.
   bool WaitForRequest();
 
   bool is_readable() const override;
@@ -40,9 +40,9 @@ class Connection : public httplib::Stream {
 
   int socket_;
   const std::atomic<bool>& stopping_;
-  size_t bytes_left_ = 0;  ///< of the request
+  size_t bytes_left_ = 0;  ///< bytes that the request may still send
   Clock::time_point request_deadline_, answer_begin_;
-  size_t written_ = 0;  ///< of the answer
+  size_t written_ = 0;  ///< bytes written of the answer
 };
 
 }  // namespace oraclegs

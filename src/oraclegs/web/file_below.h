@@ -1,5 +1,5 @@
 #pragma once
-// Files of a folder that somebody else fills, opened so that nothing outside it is ever read.
+// Files of a folder that others write to, opened so that nothing outside it is ever read.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,14 +11,14 @@
 
 namespace oraclegs {
 
-/// True for "a/b.png": names in UTF-8 between single slashes, none of them ".", ".." or longer than 255 bytes, without
-/// backslashes, control characters or a slash at the ends, together at most 1024 bytes.
+/// Whether a path is like "a/b.png": names in UTF-8 between single slashes, none of them ".", ".." or longer than 255
+/// bytes, without backslashes, control characters or a slash at the ends, together at most 1024 bytes.
 bool IsPlainPath(std::string_view path);
 
 /// An open regular file.
 class FileBelow {
  public:
-  /// Opens `path` below `root`; `root` itself may be a link, no part of `path` may be one. Nothing for a path that is
+  /// Opens `path` below `root`; `root` itself may be a link, no part of `path` may be one. nullopt for a path that is
   /// not plain, a missing file, a link, a folder, a pipe or a device.
   static std::optional<FileBelow> Open(const std::filesystem::path& root, std::string_view path);
 
@@ -32,13 +32,13 @@ class FileBelow {
   }
   ~FileBelow();
 
-  /// Bytes, when it was opened.
+  /// Size in bytes at the time of opening.
   uint64_t size() const { return size_; }
-  /// Another text for another content: file, size and time of change.
+  /// Text that changes with the content: file, size and time of change.
   const std::string& tag() const { return tag_; }
   /// Bytes that were read at an offset, fewer than `count` only at the end of the file; nothing on an error.
   std::optional<size_t> ReadAt(uint64_t offset, char* to, size_t count) const;
-  /// All of it; nothing when it is larger than `max_bytes`, on an error, or when it became shorter.
+  /// Reads the whole file; nullopt when it is larger than `max_bytes`, on an error, or when it became shorter.
   std::optional<std::string> ReadAll(uint64_t max_bytes) const;
 
  private:

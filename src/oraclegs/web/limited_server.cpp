@@ -24,14 +24,14 @@ constexpr size_t kWorkers = 48;      // a browser opens six connections a page
 constexpr size_t kMaxWaiting = 100;  // connections that no worker has yet
 constexpr int kMaxRequestsOfConnection = 1000;
 
-/// Set on the thread that accepts connections while it hands one over that is too many.
+/// Set, on the accepting thread, while it hands over a connection that is too many.
 thread_local bool g_refuse = false;
 
-/// Threads for connections, started as they are needed; where the system gives no more, connections wait for those
-/// there are. What comes when too many wait is turned away.
+/// Threads for connections, started on demand; where the system gives no more, connections wait for the existing ones.
+/// Connections beyond the queue's limit are refused.
 class ConnectionWorkers : public httplib::TaskQueue {
  public:
-  /// Throws std::system_error where not even one thread can be started.
+  /// Starts the first thread. Throws std::system_error where none can be started.
   ConnectionWorkers() {
     threads_.reserve(kWorkers);
     Start();
@@ -94,7 +94,7 @@ class ConnectionWorkers : public httplib::TaskQueue {
   std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<std::function<void()>> waiting_;
-  size_t pending_ = 0;  ///< those that wait and those that are served
+  size_t pending_ = 0;  ///< waiting and served connections
   bool stop_ = false;
   std::vector<std::thread> threads_;
 };
@@ -109,7 +109,7 @@ LimitedServer::LimitedServer() {
                    SystemReason(error.code()));
   }
   new_task_queue = [this] { return workers_.release(); };
-  // Not httplib's own choice, by which two servers can share a port.
+  // Replaces httplib's own choice, by which two servers can share a port.
   set_socket_options([](socket_t socket) {
     const int yes = 1;
     setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
@@ -133,7 +133,8 @@ bool LimitedServer::process_and_close_socket(socket_t socket) {
 
 void LimitedServer::Serve(socket_t socket) {
   Connection connection(socket, stopping_);
-  // What has a body is refused unread; nothing of that, nor of what is no HTTP, is taken for another request.
+  // A request with a body is refused unread; neither its rest nor anything that is not HTTP is taken for another
+  // request.
   bool last = false;
   const auto before_routing = [&](httplib::Request& request) {
     request.ranges.clear();

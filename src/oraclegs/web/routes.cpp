@@ -20,7 +20,7 @@ constexpr int kHttpPort = 80;  // browsers leave it out
 constexpr const char* kText = "text/plain; charset=utf-8";
 constexpr const char* kJson = "application/json";
 
-// Scripts of the page alone, also as WebAssembly and in workers; no request leaves this server; no other site may frame
+// Only scripts of the page, also as WebAssembly and in workers; no request leaves this server; no other site may frame
 // it or read from it.
 constexpr const char* kContentPolicy =
     "default-src 'self'; script-src 'self' 'wasm-unsafe-eval' blob:; worker-src 'self' blob:; "
@@ -62,7 +62,7 @@ WebAnswer Plain(int status, const std::string& text) {
   return answer;
 }
 
-/// The answer, or that what the browser has is still right.
+/// The answer with its tag, or "not modified" if the browser knows the tag.
 WebAnswer Tagged(WebAnswer answer, const std::string& tag, const std::string& known) {
   const std::string quoted = '"' + tag + '"';
   answer.headers["ETag"] = quoted;
@@ -75,7 +75,7 @@ WebAnswer Tagged(WebAnswer answer, const std::string& tag, const std::string& kn
 }
 
 WebAnswer AssetAnswer(const std::string& name, const std::string& known) {
-  // report.html is a template, which is no page of this server.
+  // report.html is a template, not a page of this server.
   const auto asset = name.rfind("report.", 0) == 0 ? std::nullopt : FindWebAsset(name);
   if (!asset) return Plain(404, "not found");
   WebAnswer answer;
@@ -107,7 +107,7 @@ WebAnswer FileAnswer(const std::string& path, const std::string& known, Site* si
   return Tagged(std::move(answer), tag, known);
 }
 
-/// The rest of `path` behind `prefix`; nothing for other paths.
+/// The rest of `path` after `prefix`; nullopt for other paths.
 std::optional<std::string> After(const std::string& path, std::string_view prefix) {
   if (path.rfind(prefix, 0) != 0) return std::nullopt;
   return path.substr(prefix.size());

@@ -1,6 +1,6 @@
 #pragma once
-// What the server answers, as a function of the request: which requests it refuses, what is at which path, and the
-// headers that keep a browser from doing anything else with it.
+// Answers of the server as a function of the request: refused requests, paths, and the headers that restrict what a
+// browser may do with an answer.
 
 #include <map>
 #include <optional>
@@ -16,23 +16,24 @@ struct WebRequest {
   std::string method;
   std::string path;       ///< decoded, without the query
   std::string host;       ///< header Host
-  int hosts = 1;          ///< how many such headers there are
+  int hosts = 1;          ///< number of Host headers
   std::string known_tag;  ///< header If-None-Match
 };
 
 struct WebAnswer {
   int status = 200;
   std::map<std::string, std::string> headers;
-  std::string type = {};  ///< MIME type of what follows
+  std::string type = {};  ///< MIME type of the body or file
   std::string body = {};
   std::optional<FileBelow> file = {};  ///< sent instead of the body
 };
 
-/// Names by which the server may be asked. A page of another site can make a browser send requests here by a name that
-/// its owner lets point to this machine; such a name is not among them.
+/// Names by which the server may be addressed. A page of another site can make a browser send requests here under a
+/// name that its owner resolves to this machine; such a name is not among them.
 class AllowedHosts {
  public:
-  /// `host`: what the server is bound to. Of a wildcard, every IP address and this machine's name are allowed.
+  /// Allows the names of `host`, to which the server is bound. For a wildcard: every IP address and this machine's
+  /// name.
   AllowedHosts(const std::string& host, int port);
   bool Allows(const std::string& header) const;
 
@@ -41,9 +42,9 @@ class AllowedHosts {
   bool wildcard_ = false;
 };
 
-/// True for 0.0.0.0, :: and an empty name.
+/// Whether the host is 0.0.0.0, :: or empty.
 bool IsWildcard(const std::string& host);
-/// True for names and addresses that only this machine can reach.
+/// Whether only this machine can reach the host.
 bool IsLoopback(const std::string& host);
 
 /// The answer to a request: GET and HEAD of /, /assets/NAME, /api/document, /api/live, /api/ping and /files/PATH.

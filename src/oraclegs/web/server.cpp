@@ -23,7 +23,7 @@ namespace {
 constexpr int kPortsToTry = 20;
 constexpr size_t kChunk = 256 << 10;  // bytes of a file that are sent at once
 
-/// Sends an open file; false to httplib ends the connection.
+/// Sends an open file. Returning false makes httplib end the connection.
 httplib::ContentProvider ProviderOf(std::shared_ptr<FileBelow> file) {
   return [file = std::move(file)](size_t offset, size_t length, httplib::DataSink& sink) {
     std::string chunk(std::min(length, kChunk), '\0');
@@ -55,7 +55,7 @@ class WebServer::Impl {
   explicit Impl(const WebServerOptions& options) : host_(options.host), site_(options.root) {
     port_ = Bind(options);
     const AllowedHosts hosts(host_, port_);
-    // All answers come from here: patterns of httplib are regular expressions, which cost stack by the byte.
+    // All answers are made here: patterns of httplib are regular expressions, which use stack per byte.
     server_.set_pre_routing_handler([this, hosts](const httplib::Request& request, httplib::Response& response) {
       Send(AnswerTo(RequestOf(request), hosts, &site_), &response);
       return httplib::Server::HandlerResponse::Handled;
@@ -132,7 +132,7 @@ class WebServer::Impl {
   Site site_;
   LimitedServer server_;
   std::atomic<bool> ended_ = false;
-  std::string failure_ = "it ended";  ///< for whoever has seen ended_
+  std::string failure_ = "it ended";  ///< reason, read after ended_
   std::thread thread_;
 };
 

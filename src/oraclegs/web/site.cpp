@@ -18,8 +18,7 @@ constexpr const char* kDocument = "report/run.json";
 constexpr const char* kLive = "live/state.json";
 constexpr uint64_t kMaxDocumentBytes = 64 << 20;
 
-/// An object, or null for what is none, is no JSON, or is nested too deeply: who reads a document walks through it by
-/// recursion.
+/// The document; null if it is not a JSON object or is nested too deeply, since readers walk through it by recursion.
 nlohmann::json ParseDocument(const std::string& text) {
   nlohmann::json json = ParseJsonOrDiscard(text);
   return json.is_object() ? std::move(json) : nullptr;

@@ -6,9 +6,9 @@
 
 namespace oraclegs {
 
-/// Where the viewer is served.
+/// Address of the viewer.
 struct ViewerOptions {
-  int port = 0;  ///< 0 = the usual one, or the next one that is free
+  int port = 0;  ///< 0 = the usual one, or the next free one
   std::string host = "127.0.0.1";
   bool browser = true;
 

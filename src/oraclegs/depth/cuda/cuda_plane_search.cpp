@@ -9,7 +9,7 @@
 namespace oraclegs::cuda {
 namespace {
 
-/// Arrays are of all views, one after the other: view v's pixels begin at first_[v].
+/// Plane search on a GPU. Arrays hold all views in order; view v's pixels begin at first_[v].
 class CudaPlaneSearch final : public PlaneSearch {
  public:
   explicit CudaPlaneSearch(int index) : index_(index) { UseDevice(index); }
@@ -72,7 +72,7 @@ class CudaPlaneSearch final : public PlaneSearch {
  private:
   int64_t Pixels(size_t view) const { return first_[view + 1] - first_[view]; }
 
-  /// Finds first_ and channels_; what kernels read lies within what is checked here.
+  /// Sets first_ and channels_, and throws unless all arrays have the sizes that the kernels read.
   void CheckShapes(const std::vector<PlaneMap>& maps) {
     const std::vector<StereoView>& views = scene_->views;
     if (maps.size() != views.size()) throw ShapeError("stereo: {} maps of {} views", maps.size(), views.size());
@@ -99,7 +99,7 @@ class CudaPlaneSearch final : public PlaneSearch {
     for (size_t v = 0; v < scene_->views.size(); ++v) Send(scene_->views[v].usable, &usable_, first_[v]);
   }
 
-  /// For each view the silhouettes of all others, one list after the other.
+  /// Sends, for each view, the list of the silhouettes of all others.
   void SendSilhouettes() {
     silhouettes_a_view_ = 0;
     if (scene_->silhouettes == nullptr || scene_->silhouettes->empty()) return;

@@ -6,8 +6,8 @@
 
 namespace oraclegs::cuda {
 
-/// The search on a GPU; see MakePlaneSearch. Images, maps and silhouettes of a level are kept there from BeginLevel to
-/// EndLevel: about 32 bytes a pixel, and 4 more for each channel.
+/// Makes the search on a GPU; see MakePlaneSearch. From BeginLevel to EndLevel the GPU holds the images, maps and
+/// silhouettes of a level: about 32 bytes a pixel, and 4 more for each channel.
 std::unique_ptr<PlaneSearch> MakeCudaPlaneSearch(int index);
 
 }  // namespace oraclegs::cuda

@@ -1,8 +1,8 @@
-// One thread a pixel. What a thread compares, one plane in one source at a time, needs no other thread: no barrier and
-// no reduction, where a warp a pixel (41 samples on 32 lanes, a third of them idle) would add some twenty shuffles to
+// One thread per pixel. A thread compares one plane in one source at a time without other threads: no barrier and no
+// reduction, where one warp per pixel (41 samples on 32 lanes, a third of them idle) would add some twenty shuffles to
 // each comparison. A warp has 32 neighboring columns of two rows, in which the pixels of one color alternate: once
-// neighbors agree on planes, a warp's samples lie side by side in the source, and its windows overlap in the cache.
-// Where pixels differ in how many planes are allowed, lanes wait for each other; that is the price.
+// neighbors agree on planes, a warp's samples are adjacent in the source, and its windows overlap in the cache. The
+// price: lanes wait for each other where pixels differ in how many planes are allowed.
 
 #include "oraclegs/depth/cuda/half_sweep.h"
 
@@ -16,23 +16,23 @@ namespace {
 constexpr int kTileWidth = 32, kTileHeight = 8;         // pixels of a block, half of them of one color
 constexpr int kThreads = kTileWidth * kTileHeight / 2;  // few: each has long arrays, which the cache must hold
 
-/// Value of a image's word: the first of its four pixels.
+/// First of the four pixels in an image's word.
 ORACLEGS_HD inline float ValueOf(uint32_t word) { return static_cast<float>(word & 255); }
 
-/// The bilinear sample between a word's four pixels.
+/// Bilinear sample between a word's four pixels.
 ORACLEGS_HD inline float Interpolate(uint32_t word, float fx, float fy) {
   const float p00 = ValueOf(word), p10 = ValueOf(word >> 8), p01 = ValueOf(word >> 16), p11 = ValueOf(word >> 24);
   const float top = p00 + fx * (p10 - p00), bottom = p01 + fx * (p11 - p01);
   return top + fy * (bottom - top);
 }
 
-/// A pixel's surroundings in the view that is searched. Only their weights are kept (164 bytes of local memory, which a
-/// warp reads line by line); the values are read again, a warp's windows overlap. All values are taken relative to the
-/// pixel's own: correlations do not change, and float sums of squares lose no digits.
+/// A pixel's surroundings in the searched view. Only their weights are stored (164 bytes of local memory, which a warp
+/// reads line by line); values are read again, since a warp's windows overlap. All values are relative to the pixel's
+/// own: correlations do not change, and float sums of squares lose no digits.
 template <int kChannels>
 class DevicePatch {
  public:
-  /// (x, y) is usable.
+  /// Makes the patch around (x, y), which must be usable.
   ORACLEGS_HD inline DevicePatch(const HalfSweep& sweep, int x, int y) : sweep_(sweep), x_(x), y_(y) {
     const int64_t pixels = Pixels(sweep.image), here = sweep.view.Index(x, y);
     for (int c = 0; c < kChannels; ++c) own_[c] = ValueOf(sweep.image.words[c * pixels + here]);
@@ -59,7 +59,8 @@ class DevicePatch {
     }
   }
 
-  /// costs[p * num_sources + s], see PatchCosts. A source at a time, so that a warp stays in one image.
+  /// Fills costs[p * num_sources + s], see PatchCosts. The loop over sources is the outer one, so that a warp stays in
+  /// one image.
   ORACLEGS_HD inline void operator()(const Plane* planes, int count, const uint8_t* active, float* costs) const {
     const int n = sweep_.view.num_sources;
     for (int s = 0; s < n; ++s) {
@@ -76,7 +77,7 @@ class DevicePatch {
   }
 
  private:
-  /// Where the source shows the patch's samples: base + dx right + dy down, homogeneous.
+  /// Positions of the patch's samples in the source: base + dx right + dy down, homogeneous.
   struct Homography {
     Vec3f base, right, down;
   };
@@ -88,7 +89,7 @@ class DevicePatch {
     return {from.x + direction.x * length, from.y + direction.y * length, from.z + direction.z * length};
   }
 
-  /// The sample's bilateral weight, 0 where it is not used, and its values.
+  /// Returns the sample's bilateral weight, 0 where it is not used, and writes its values.
   ORACLEGS_HD inline float WeightOf(int dx, int dy, float* values) const {
     const int x = x_ + dx, y = y_ + dy;
     const SweepImage& image = sweep_.image;

@@ -15,17 +15,17 @@ struct SweepImage {
   int width = 0, height = 0;
 };
 
-/// All pointers are to device memory. An argument of the kernel as it is: 1.2 KB.
+/// Input of RunHalfSweep; all pointers are to device memory. 1.2 KB, passed as the kernel's argument.
 struct HalfSweep {
   SearchView view;
-  SweepImage image;                 ///< of the view
-  SweepImage sources[kMaxSources];  ///< of view.sources
-  int channels = 1;                 ///< of all images; 1 or 3
+  SweepImage image;                 ///< image of the searched view
+  SweepImage sources[kMaxSources];  ///< images of view.sources
+  int channels = 1;                 ///< channels of all images; 1 or 3
   int iteration = 0;
   int color = 0;  ///< pixels with (x + y) % 2 == color
 };
 
-/// Queues one launch, which writes planes and costs of the pixels of this color and reads those of the other.
+/// Queues one launch: writes planes and costs of the pixels of this color, reads those of the other.
 void RunHalfSweep(const HalfSweep& sweep, cudaStream_t stream);
 
 }  // namespace oraclegs::cuda

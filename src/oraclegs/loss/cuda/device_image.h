@@ -1,6 +1,6 @@
 #pragma once
-// Images as kernels read them. Most targets were 8-bit files: kept so, they take a quarter of the memory and of the
-// bandwidth, and not one bit is lost.
+// Images as kernels read them. Most targets were 8-bit files: kept as bytes they take a quarter of the memory and
+// bandwidth without losing a bit.
 
 #include <cmath>
 #include <cstdint>
@@ -18,7 +18,7 @@ struct DeviceImage {
   ORACLEGS_HD inline bool is_there() const { return data != nullptr; }
   ORACLEGS_HD inline float At(int64_t i) const {
     if (!packed) return static_cast<const float*>(data)[i];
-    // A division by 255 in three instructions: to the bit what the reader of files gives.
+    // Divides by 255 in three instructions, to the bit as the reader of files does.
     const float byte = static_cast<float>(static_cast<const uint8_t*>(data)[i]), near = byte * (1.f / 255);
     return fmaf(fmaf(-255.f, near, byte), 1.f / 255, near);
   }

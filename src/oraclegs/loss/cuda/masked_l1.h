@@ -1,5 +1,5 @@
 #pragma once
-// The terms of depth and alpha on a GPU; what loss/masked_l1.h is on the CPU.
+// The terms of depth and alpha on a GPU; loss/masked_l1.h is their CPU version.
 
 #include <cuda_runtime.h>
 
@@ -11,12 +11,12 @@ namespace oraclegs::cuda {
 
 inline constexpr int kMaskedL1PixelsABlock = 1024;
 
-/// All [H,W] and the device's memory.
+/// Planes [H,W] in device memory.
 struct MaskedL1Input {
   int64_t pixels = 0;
   const float* rendered = nullptr;
   DeviceImage target;
-  DeviceImage mask;        ///< how much each pixel counts; null = 1
+  DeviceImage mask;        ///< weight of each pixel; null = 1
   float scale = 0;         ///< weight / pixels
   double* sums = nullptr;  ///< [MaskedL1Blocks] receives sums of |rendered - target| mask
   float* grad = nullptr;   ///< receives scale * sign(rendered - target) * mask
@@ -24,7 +24,7 @@ struct MaskedL1Input {
 
 inline int64_t MaskedL1Blocks(int64_t pixels) { return (pixels + kMaskedL1PixelsABlock - 1) / kMaskedL1PixelsABlock; }
 
-/// Queues the work.
+/// Queues the sums and the gradient.
 void RunMaskedL1(const MaskedL1Input& in, cudaStream_t stream);
 
 }  // namespace oraclegs::cuda

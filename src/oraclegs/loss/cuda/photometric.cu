@@ -30,14 +30,14 @@ __device__ float SsimTap(int k) {
   return kHalf[k < kSsimRadius ? kSsimRadius - k : k - kSsimRadius];
 }
 
-/// What a round works on.
+/// Channels of one round, [first, end).
 struct Channels {
   int first, end;
 };
 
 /// One channel of a tile with its halo; row 0, column 0 is pixel (x0 - radius, y0 - radius).
 using HaloPlane = float[kHaloRows][kHaloStride];
-/// The same after the horizontal window: only the tile's own columns, four to an item.
+/// A HaloPlane after the horizontal window: only the tile's own columns, four per item.
 using RowsPlane = float4[kHaloRows][kRunsARow];
 
 struct PixelPair {
@@ -55,8 +55,8 @@ __device__ PixelPair LoadPixel(const PhotometricInput& in, int x, int y, int cha
   return pair;
 }
 
-/// The window along kColumnsAThread neighboring columns of kPlanes planes, whose values at column c read(c, values)
-/// gives. Each value is read once and added to all windows that hold it.
+/// Applies the window along kColumnsAThread neighboring columns of kPlanes planes; read(c, values) gives the planes'
+/// values at column c. Each value is read once and added to all windows that hold it.
 template <int kPlanes, class Read>
 __device__ void FilterRun(const Read& read, int row, int run, RowsPlane* out) {
   float sums[kPlanes][kColumnsAThread] = {};
@@ -78,7 +78,7 @@ __device__ void FilterRun(const Read& read, int row, int run, RowsPlane* out) {
   }
 }
 
-/// The window down one column, kRowsAThread rows from `row` on.
+/// Applies the window down one column, to kRowsAThread rows from `row` on.
 __device__ void FilterColumn(const RowsPlane& in, int row, int column, float* out) {
   const float* values = reinterpret_cast<const float*>(in[row]) + column;
   for (int r = 0; r < kRowsAThread; ++r) out[r] = 0;
@@ -93,7 +93,7 @@ __device__ void FilterColumn(const RowsPlane& in, int row, int column, float* ou
   }
 }
 
-/// First pass: the sums of the tile, and the derivatives where they are asked for.
+/// First pass: the tile's sums and, if requested, the derivatives.
 __global__ void __launch_bounds__(kSumThreads, 4)
     PhotometricStatistics(PhotometricInput in, PhotometricOutput out, Channels channels) {
   __shared__ HaloPlane render, target;

@@ -1,12 +1,12 @@
 #pragma once
-// Sums in an order that depends on the size of the work only: no atomic ever adds a float, so a run gives the same bits
-// each time.
+// Sums in an order that depends on the size of the work only: no atomic ever adds a float, so that each run gives the
+// same bits.
 
 #include "oraclegs/core/cuda/warp_sum-inl.cuh"
 
 namespace oraclegs::cuda {
 
-inline constexpr int kSumThreads = 256;  ///< of every block that sums
+inline constexpr int kSumThreads = 256;  ///< threads of every block that sums
 inline constexpr int kSumWarps = kSumThreads / kWarp;
 
 /// The sum over a block of kSumThreads threads, in every thread; `shared` has kSumWarps entries. All threads call it.

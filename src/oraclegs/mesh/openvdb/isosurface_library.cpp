@@ -1,4 +1,4 @@
-// The library behind mesh/isosurface.h. The only file that sees OpenVDB, whose headers take as long to compile as a
+// The library behind mesh/isosurface.h. The only file that includes OpenVDB, whose headers take as long to compile as a
 // floor.
 
 #include <openvdb/Grid.h>

@@ -16,7 +16,7 @@ void Send(const T* from, size_t count, T* to) {
   if (count > 0) Check(cudaMemcpy(to, from, count * sizeof(T), cudaMemcpyHostToDevice), "sending images to the GPU");
 }
 
-/// The images of all views, one after another.
+/// The images of all views on the device, in order.
 class SourceImages {
  public:
   explicit SourceImages(const WarpSources& sources) {
@@ -24,7 +24,7 @@ class SourceImages {
       begin_.push_back(pixels_);
       pixels_ += static_cast<int64_t>(map.size());
     }
-    // A depth falls on a pixel once at most: 32 bits count what falls on one.
+    // A depth falls on a pixel at most once, so 32 bits can count the samples of a pixel.
     if (pixels_ > std::numeric_limits<uint32_t>::max()) {
       throw ShapeError("Warper: {} pixels in all views, at most 2^32 - 1 on a GPU", pixels_);
     }
@@ -50,7 +50,7 @@ class SourceImages {
 
   int64_t pixels() const { return pixels_; }
 
-  /// The same source with its images here.
+  /// The source with pointers to its images on the device.
   WarpSource Here(WarpSource source) const {
     const int64_t at = begin_[static_cast<size_t>(source.number)];
     source.rgb = rgb_.data() + 3 * at;
@@ -68,7 +68,7 @@ class SourceImages {
   DeviceArray<uint8_t> mask_{"the masks of warped images"}, near_object_{"the silhouettes of warped images"};
 };
 
-/// Runs of pixels with at most `max_samples` samples, or of one pixel.
+/// Bands of pixels with at most `max_samples` samples each, or of one pixel.
 std::vector<PixelBand> CutIntoBands(const std::vector<uint32_t>& counts, int64_t max_samples) {
   std::vector<PixelBand> bands;
   PixelBand band;
@@ -140,7 +140,7 @@ class CudaWarpDevice : public WarpDevice {
   }
 
  private:
-  /// Sends the sources, and makes the GPU this thread's.
+  /// Copies the sources to the GPU and makes it this thread's.
   WarpScene SceneOf(const WarpTask& task) {
     UseDevice(index_);
     std::vector<WarpSource> here;

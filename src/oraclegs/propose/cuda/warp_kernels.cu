@@ -10,7 +10,7 @@ constexpr int kBlock = 128;
 
 __device__ int64_t ThreadOfGrid() { return static_cast<int64_t>(blockIdx.x) * kBlock + threadIdx.x; }
 
-/// Counts and lists in one kernel, so that both find the same pixels to the last bit.
+/// Counts samples, or lists them: one kernel for the two, so that they find the same pixels to the last bit.
 __global__ void SplatDepths(WarpScene scene, int k, PixelBand band, uint32_t* cursors, WarpSample* samples) {
   const WarpSource& from = scene.sources[k];
   const int64_t i = ThreadOfGrid();
@@ -28,13 +28,13 @@ __global__ void SplatDepths(WarpScene scene, int k, PixelBand band, uint32_t* cu
   }
 }
 
-/// Near to far, equals by source; what is equal in that, too, by weight, so that no two orders are possible.
+/// Order of samples: near to far, then by source, then by weight, so that the order is unique.
 __device__ bool Before(const WarpSample& a, const WarpSample& b) {
   if (a.inv_depth != b.inv_depth) return a.inv_depth > b.inv_depth;
   return a.source != b.source ? a.source < b.source : a.weight > b.weight;
 }
 
-/// Heap sort: in place, and never slow, however many fall on a pixel that shows a far-off view small.
+/// Heap sort: in place, and never slow, even when many samples fall on a pixel that shows a far-off view small.
 __device__ void SortSamples(WarpSample* samples, int64_t count) {
   int64_t root = count / 2, end = count;
   while (end > 1) {
@@ -56,7 +56,7 @@ __device__ void SortSamples(WarpSample* samples, int64_t count) {
   }
 }
 
-/// Looked for among a surface's samples, which are few: no memory a source is needed.
+/// Votes found by searching a surface's samples, which are few; needs no memory per source.
 struct SearchedVotes {
   const WarpSample *begin = nullptr, *end = nullptr;
 

@@ -1,8 +1,8 @@
 #pragma once
-// The stages of a forward warp on a GPU, one thread a depth or a pixel. All memory is the device's. What falls on a
-// pixel is counted, given its place by running sums, and listed; the lists may hold any number of samples, and are
-// sorted by all that a sample has, so that their order does not depend on that of the threads. Pixels are listed in
-// bands, one after another, so that the lists need not fit into memory at once.
+// Stages of a forward warp on a GPU, one thread per depth or pixel. All memory is the device's. Samples of a pixel are
+// counted, given their places by running sums, and listed. A list may hold any number of samples and is sorted by all
+// members of a sample, so that its order does not depend on the threads. Pixels are listed in bands, one after another,
+// so that the lists need not fit into memory at once.
 
 #include <cuda_runtime.h>
 
@@ -12,28 +12,29 @@
 
 namespace oraclegs::cuda {
 
-/// A run of pixels whose samples, fewer than 2^32, are listed together.
+/// Consecutive pixels whose samples, fewer than 2^32, are listed together.
 struct PixelBand {
   int64_t begin = 0, end = 0;  ///< pixels
-  uint32_t first = 0;          ///< samples of the pixels before it, modulo 2^32
+  uint32_t first = 0;          ///< number of samples of the pixels before it, modulo 2^32
   int64_t samples = 0;
 };
 
-/// counts [pixels] += how many of the depths of source `k` fall on each pixel. All sources together have fewer than
-/// 2^32 pixels.
+/// Adds to counts [pixels] how many depths of source `k` fall on each pixel. All sources together have fewer than 2^32
+/// pixels.
 void RunCountSamples(const WarpScene& scene, const WarpSource& source, int k, uint32_t* counts, cudaStream_t stream);
 
-/// The lists of a band's pixels, one after another.
+/// The lists of a band's pixels, in order.
 struct SampleLists {
   PixelBand band;
-  uint32_t* ends;       ///< [pixels], samples of the pixels before each; RunListSamples moves them behind what it adds
+  uint32_t* ends;       ///< [pixels], end of each pixel's list; begins at the number of samples before it, and
+                        ///< RunListSamples moves it on
   WarpSample* samples;  ///< [band.samples]
 };
-/// Adds the samples of source `k`.
+/// Appends the samples of source `k`.
 void RunListSamples(const WarpScene& scene, const WarpSource& source, int k, const SampleLists& lists,
                     cudaStream_t stream);
 
-/// What FindSurfaces writes, of the band's pixels; counts and ends after all sources were listed.
+/// Input and output of RunFindSurfaces for the pixels of a band, after all sources were listed.
 struct SurfacesInput {
   WarpScene scene;
   PixelBand band;

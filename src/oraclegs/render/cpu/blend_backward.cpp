@@ -1,7 +1,7 @@
 // Backward blending, tile by tile, blocks as in forward, the list far to near from where the last pixel ended.
 //
-// With v = g_C . c + g_D / z of a Gaussian and s the same of everything behind it (background and alpha's gradient
-// included), dL/d(alpha) = T (v - s): one running number a pixel instead of a color. The results are sums over the
+// Let v = g_C . c + g_D / z of a Gaussian, and s that of everything behind it (background and alpha's gradient
+// included). Then dL/d(alpha) = T (v - s): one running number a pixel instead of a color. The results are sums over the
 // block's pixels of h = alpha dL/d(alpha) and w = alpha T against fixed numbers a pixel. A chunk of a block's list is
 // processed in three sweeps:
 //  1. near to far: alpha and w, with T counted from the chunk's near end. One division a pixel and chunk gives the T
@@ -34,18 +34,18 @@ namespace oraclegs::HWY_NAMESPACE {
 /// A block's running state and its pixels' upstream gradients.
 struct HWY_ALIGN BlockAdjoint {
   float t[16];                ///< transmittance behind the current Gaussian
-  float rest[16];             ///< s above
+  float rest[16];             ///< s behind the current Gaussian
   float g[4][16];             ///< d/d(red), green, blue, inverse depth
   int32_t end[16];            ///< as BlendImage::end
   int32_t farthest, nearest;  ///< largest and smallest of end
 };
 
-/// What the sweeps over a chunk hand to each other, one row a Gaussian.
+/// Rows that the sweeps over a chunk hand to each other, one per Gaussian.
 struct HWY_ALIGN Chunk {
   static constexpr int kSize = 64;
-  float alpha[kSize][16];   ///< then h
+  float alpha[kSize][16];   ///< alpha; h after sweep 2
   float weight[kSize][16];  ///< w, with T = 1 at the chunk's near end
-  float g[4][16];           ///< upstream gradients times the T at its near end
+  float g[4][16];           ///< upstream gradients times the T at the chunk's near end
 };
 
 /// A number for each pixel of a block.
@@ -53,7 +53,7 @@ struct BlockVector {
   FloatVec v[kVecs];
 };
 
-/// A block, and for each of its pixels the first step that does not contribute to it.
+/// A block and, for each pixel, the first step that does not contribute to it.
 struct OpenPixels {
   int block;
   const IntVec* end;
@@ -69,7 +69,7 @@ struct ChunkRows {
   int begin, end;
 };
 
-/// Sweep 1 over positions[0, steps.count). Returns the share of the light that passes the chunk.
+/// Sweep 1 over positions[0, steps.count). Returns the fraction of the light that passes the chunk.
 template <bool kAllSeen>
 HWY_INLINE BlockVector SweepNearToFar(const Segment& segment, const int32_t* HWY_RESTRICT positions, const Steps& steps,
                                       const OpenPixels& pixels, Chunk* chunk) {
@@ -77,7 +77,7 @@ HWY_INLINE BlockVector SweepNearToFar(const Segment& segment, const int32_t* HWY
   const BlockPixels at(pixels.block);
   BlockVector t;
   for (int v = 0; v < kVecs; ++v) t.v[v] = hn::Set(d, 1.f);
-  // A few steps at a time, as in forward: the chain to alpha is long, the one from T to T must not wait for it.
+  // A few steps at a time, as in forward: the chain to alpha is long and must not delay the one from T to T.
   constexpr int kSteps = 8;
   for (int start = 0; start < steps.count; start += kSteps) {
     const int stop = std::min(start + kSteps, steps.count);
@@ -123,10 +123,10 @@ HWY_INLINE void SweepFarToNear(const Segment& segment, const int32_t* HWY_RESTRI
       value = hn::MulAdd(g[2][v], hn::Set(d, segment.b[i]), value);
       if constexpr (kDepth) value = hn::MulAdd(g[3][v], hn::Set(d, segment.inv_z[i]), value);
       const FloatVec difference = hn::Sub(value, rest[v]);
-      // One multiply-add from step to step: more work than rest + alpha difference, but half the wait.
+      // One multiply-add per step: more work than adding alpha times the difference to rest, but half the latency.
       rest[v] = hn::MulAdd(hn::Sub(hn::Set(d, 1.f), alpha), rest[v], hn::Mul(alpha, value));
       const FloatVec h = hn::Mul(hn::Load(d, chunk->weight[j] + v * kLanes), difference);
-      // At the cap alpha no longer moves with the Gaussian.
+      // Capped alpha does not move with the Gaussian.
       hn::Store(hn::IfThenElseZero(hn::Lt(alpha, hn::Set(d, kAlphaMax)), h), d, chunk->alpha[j] + v * kLanes);
     }
   }
@@ -143,8 +143,8 @@ HWY_INLINE void SumOverPixels(const Chunk& chunk, const int32_t* HWY_RESTRICT po
   AddToRecords(columns, positions + rows.begin, rows.end - rows.begin, records);
 }
 
-/// The segment's part of one block's list; `first`: Segment::FirstStep; `records`: of the segment's first entry.
-/// Returns how many it visited.
+/// Handles the segment's entries in one block's list. `first`: Segment::FirstStep; `records`: of the segment's first
+/// entry. Returns the number of steps visited.
 template <bool kDepth>
 HWY_INLINE int BackwardBlock(const Segment& segment, int block, int32_t first, BlockAdjoint* state,
                              float* HWY_RESTRICT records) {
@@ -163,7 +163,7 @@ HWY_INLINE int BackwardBlock(const Segment& segment, int block, int32_t first, B
   const BlockMiddle middle{static_cast<float>(block % 4 * cpu::kBlock + cpu::kBlock / 2 - kTile / 2),
                            static_cast<float>(block / 4 * cpu::kBlock + cpu::kBlock / 2 - kTile / 2)};
   for (int stop = count; stop > 0;) {
-    // The chunks near the eye are full; a ragged one costs nothing but its own vector.
+    // The chunks near the eye are full; a partial one costs nothing but its own vector.
     const int start = (stop - 1) / Chunk::kSize * Chunk::kSize;
     const int32_t* chunk_positions = positions + start;
     const int n = stop - start;
@@ -178,7 +178,7 @@ HWY_INLINE int BackwardBlock(const Segment& segment, int block, int32_t first, B
         hn::Store(hn::Mul(hn::Load(d, state->g[c] + v * kLanes), t[v]), d, chunk.g[c] + v * kLanes);
       }
     }
-    // Alternating: the third sweep waits for the shuffle unit, the second for the others.
+    // Alternating: the third sweep is bound by the shuffle unit, the second by the others.
     for (int end_row = n, row = (n - 1) / kLanes * kLanes; row >= 0; end_row = row, row -= kLanes) {
       SweepFarToNear<kDepth>(segment, chunk_positions, {row, end_row}, &chunk, rest);
       SumOverPixels<kDepth>(chunk, chunk_positions, {row, end_row}, middle, records);
@@ -193,7 +193,7 @@ HWY_INLINE int BackwardBlock(const Segment& segment, int block, int32_t first, B
   return count;
 }
 
-/// A block's part of the upstream planes.
+/// The pixels of the upstream planes in one block.
 struct HWY_ALIGN BlockUpstream {
   float rgb[48] = {}, alpha[16] = {}, inv_depth[16] = {};
 };
@@ -204,7 +204,7 @@ HWY_INLINE void LoadUpstream(const UpstreamPlanes& up, const BlockPlace& place, 
   if (up.inv_depth != nullptr) CopyFromPlane<1>(up.inv_depth, place, block->inv_depth);
 }
 
-/// `offset`: of the block in the forward pass's planes.
+/// Starts a block. `offset`: the block's position in the forward pass's planes.
 HWY_INLINE void StartBlock(const BlockUpstream& up, const cpu::BlendImage& forward, int64_t offset, BlockAdjoint* s) {
   const FloatTag d;
   const IntTag di;
@@ -226,8 +226,8 @@ HWY_INLINE void StartBlock(const BlockUpstream& up, const cpu::BlendImage& forwa
   s->nearest = hn::GetLane(hn::MinOfLanes(di, nearest));
 }
 
-/// Writes the records of entries [begin, end) to their places; `sums` null: zeros. Past the caches: they lie anywhere
-/// in memory, and reading lines only to overwrite them would cost more than the rest.
+/// Writes the records of entries [begin, end) to their places; `sums` null: zeros. The stores bypass the caches: the
+/// places are scattered, and reading lines only to overwrite them would cost more than everything else.
 HWY_INLINE void SendRecords(const cpu::TileWork& tile, int64_t begin, int64_t end, const float* sums, float* records) {
   const FloatTag d;
   for (int64_t i = begin; i < end; ++i) {
@@ -240,7 +240,7 @@ HWY_INLINE void SendRecords(const cpu::TileWork& tile, int64_t begin, int64_t en
   hwy::FlushStream();
 }
 
-/// `farthest`: largest of the blocks'.
+/// Handles a whole tile. `farthest`: the maximum over its blocks.
 template <bool kDepth>
 HWY_INLINE int64_t BackwardTile(const cpu::TileWork& tile, BlockAdjoint* states, int32_t farthest, float* records) {
   if (farthest == 0) return 0;
@@ -257,7 +257,7 @@ HWY_INLINE int64_t BackwardTile(const cpu::TileWork& tile, BlockAdjoint* states,
     }
     segment.Fill(tile, begin, n, active);
     std::memset(sums, 0, sizeof(float) * cpu::kGradStride * n);
-    // The segment before, or the next tile's last.
+    // The segment before; at the tile's first one, the next tile's last.
     const int64_t of_next =
         begin > 0 ? begin - Segment::kSize : (tile.next_count - 1) / Segment::kSize * Segment::kSize;
     const Upcoming upcoming =

@@ -1,6 +1,7 @@
 // Forward blending, tile by tile. The tile's list is read near to far in segments; each 4 x 4 block walks the
 // positions that reach it with its 16 pixels in vector lanes, and is done when every pixel is opaque.
-// Kept for backward: final transmittance and how far the pixel took part, 8 bytes a pixel. Nothing is allocated.
+// Kept for backward: final transmittance and the end of each pixel's contributions, 8 bytes a pixel. Nothing is
+// allocated.
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "oraclegs/render/cpu/blend_forward.cpp"
@@ -20,22 +21,22 @@ HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
 
 /// Steps between checks of whether a block is opaque. Nothing contributes to a pixel that became opaque in between, and
-/// its running product cannot shrink into the subnormal numbers within so few.
+/// its running product cannot reach the subnormal numbers within so few steps.
 inline constexpr int kSteps = 8;
 
-/// What a block's pixels have accumulated so far.
+/// Blending state of a block's pixels.
 struct HWY_ALIGN BlockState {
-  float left[16];  ///< product of all 1 - alpha; 0 once it is known that the pixel is opaque or outside of the image
+  float left[16];  ///< product of all 1 - alpha; 0 for pixels known to be opaque or outside the image
   float t[16], r[16], g[16], b[16], inv_z[16];
   int32_t end[16];  ///< as BlendImage::end
 };
 
 struct Visit {
-  int steps;  ///< Gaussians evaluated
-  bool open;  ///< whether a pixel is not opaque yet
+  int steps;  ///< evaluated Gaussians
+  bool open;  ///< whether some pixel is not opaque yet
 };
 
-/// n, and one more in the lanes of `where`.
+/// n + 1 in the lanes of `where`, n elsewhere.
 HWY_INLINE IntVec CountedWhere(hn::Mask<IntTag> where, IntVec n) {
   const IntTag d;
 #if HWY_TARGET <= HWY_AVX3
@@ -45,10 +46,10 @@ HWY_INLINE IntVec CountedWhere(hn::Mask<IntTag> where, IntVec n) {
 #endif
 }
 
-/// The part of a BlockState that lies in one vector, while a segment is blended.
+/// One vector of a BlockState, while a segment is blended.
 struct PixelSums {
   FloatVec left, t, r, g, b, inv_z;
-  IntVec steps;  ///< of the segment that contributed; they are its first ones
+  IntVec steps;  ///< contributing steps of the segment, which are its first ones
 
   PixelSums() = default;
   HWY_INLINE PixelSums(const BlockState& state, int at) {
@@ -62,7 +63,7 @@ struct PixelSums {
     steps = hn::Zero(IntTag());
   }
 
-  /// `first`: Segment::FirstStep.
+  /// Writes the sums back. `first`: Segment::FirstStep.
   HWY_INLINE void Store(int32_t first, int at, BlockState* state) const {
     const FloatTag d;
     const IntTag di;
@@ -77,12 +78,12 @@ struct PixelSums {
     hn::Store(end, di, state->end + at);
   }
 
-  /// Splat i of the segment before what is there.
+  /// Blends splat i of the segment behind the splats so far.
   HWY_INLINE void Add(const Segment& segment, int i, FloatVec alpha) {
     const FloatTag d;
     const FloatVec next = hn::NegMulAdd(alpha, left, left);
-    // The product never grows: a pixel is open as long as what the Gaussian leaves is enough, and there is nothing to
-    // remember or to branch on.
+    // The product never grows: a pixel is open while the transmittance after the Gaussian is large enough, so no flag
+    // or branch is needed.
     const FloatMask contributes = hn::Ge(next, hn::Set(d, kTransmittanceEnd));
     const FloatVec weight = hn::IfThenElseZero(contributes, hn::Mul(alpha, left));
     left = next;
@@ -95,7 +96,7 @@ struct PixelSums {
   }
 };
 
-/// Lets nothing more contribute to opaque pixels. Returns whether others remain.
+/// Closes opaque pixels, so that nothing more contributes to them. Returns whether others remain.
 HWY_INLINE bool CloseOpaque(PixelSums* sums) {
   const FloatTag d;
   bool open = false;
@@ -119,7 +120,7 @@ HWY_NOINLINE Visit BlendBlock(const Segment& segment, int block, int32_t first, 
   bool open = true;
   int j = 0;
   while (j < count && open) {
-    // Apart from each other, so that what waits for a long chain does not fill the processor's window.
+    // Opacity is tested apart from the blending, so that a long latency chain does not fill the reorder window.
     const int stop = std::min(j + kSteps, count);
     HWY_ALIGN float alphas[kSteps][16];
     for (int step = j; step < stop; ++step) {
@@ -199,7 +200,7 @@ HWY_NOINLINE int64_t BlendTile(const cpu::TileWork& tile, const cpu::BlendImage&
       visited += visit.steps;
     }
   }
-  // In two loops: a row of pixels lies across the vectors just written, and reading it at once would wait for them.
+  // In two loops: a row of pixels spans the vectors just written, and reading it at once would stall.
   BlockImage pixels[cpu::kBlocksPerTile];
   for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
     Composite(states[block], out.background, &pixels[block]);

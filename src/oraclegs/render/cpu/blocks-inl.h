@@ -1,4 +1,4 @@
-// Blocks of 4 x 4 pixels: where they lie, and their way between image planes and vector lanes.
+// Blocks of 4 x 4 pixels: their places, and copies between image planes and vector lanes.
 
 #if defined(ORACLEGS_RENDER_CPU_BLOCKS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ORACLEGS_RENDER_CPU_BLOCKS_INL_H_
@@ -19,7 +19,7 @@ namespace oraclegs::HWY_NAMESPACE {
 /// Vectors that make up a block of 16 pixels.
 inline constexpr int kVecs = 16 / kLanes;
 
-/// Centers of the 16 pixels of each block, from the tile's center.
+/// Centers of the 16 pixels of each block, relative to the tile's center.
 struct BlockCenters {
   HWY_ALIGN float x[cpu::kBlocksPerTile][16], y[cpu::kBlocksPerTile][16];
 };
@@ -38,7 +38,7 @@ HWY_ALIGN inline constexpr BlockCenters kBlockCenters = MakeBlockCenters();
 /// The part of a block that lies inside the image.
 struct BlockPlace {
   int64_t first;      ///< pixel number of its first pixel
-  int width;          ///< of the image
+  int width;          ///< width of the image
   int columns, rows;  ///< at most 4, and both at least 1 unless empty
 
   HWY_INLINE BlockPlace(const cpu::TileWork& tile, int block, int image_width, int image_height) {
@@ -53,7 +53,8 @@ struct BlockPlace {
   HWY_INLINE bool Holds(int i) const { return i % cpu::kBlock < columns && i / cpu::kBlock < rows; }
 };
 
-/// Copies the block's pixels of a plane of kChannels floats a pixel to `packed`; those outside the image stay.
+/// Copies the block's pixels of a plane of kChannels floats a pixel to `packed`; entries of pixels outside the image
+/// stay.
 template <int kChannels>
 HWY_INLINE void CopyFromPlane(const float* HWY_RESTRICT plane, const BlockPlace& at, float* HWY_RESTRICT packed) {
   constexpr int kRow = cpu::kBlock * kChannels;
@@ -69,7 +70,7 @@ HWY_INLINE void CopyFromPlane(const float* HWY_RESTRICT plane, const BlockPlace&
   }
 }
 
-/// The inverse.
+/// Copies `packed` back to the plane; pixels outside the image are skipped.
 template <int kChannels>
 HWY_INLINE void CopyToPlane(const float* HWY_RESTRICT packed, const BlockPlace& at, float* HWY_RESTRICT plane) {
   constexpr int kRow = cpu::kBlock * kChannels;
@@ -85,7 +86,7 @@ HWY_INLINE void CopyToPlane(const float* HWY_RESTRICT packed, const BlockPlace& 
   }
 }
 
-/// Asks for the block's lines of a plane that will be written.
+/// Prefetches the block's lines of a plane for writing.
 template <int kChannels>
 HWY_INLINE void PrefetchPlane(const float* plane, const BlockPlace& at) {
   for (int y = 0; y < at.rows; ++y) {

@@ -1,4 +1,4 @@
-// Which tiles, and which 4 x 4 blocks in them, a Gaussian reaches: the exact minimum of its quadratic form over each
+// The tiles, and the 4 x 4 blocks in them, that a Gaussian reaches: the exact minimum of its quadratic form over each
 // block's pixel centers, one block a lane.
 
 #undef HWY_TARGET_INCLUDE
@@ -28,7 +28,7 @@ constexpr BlockOffsets MakeBlockOffsets() {
 }
 HWY_ALIGN constexpr BlockOffsets kBlockOffsets = MakeBlockOffsets();
 
-/// Bit i: lane i.
+/// Bit i of the result is lane i of the mask.
 HWY_INLINE uint32_t MaskBits(LanesMask mask) {
 #if HWY_TARGET <= HWY_AVX3
   return mask.m.raw;
@@ -39,7 +39,7 @@ HWY_INLINE uint32_t MaskBits(LanesMask mask) {
 #endif
 }
 
-/// The tiles of one Gaussian.
+/// Writes the tiles of one Gaussian.
 HWY_INLINE uint32_t CoverOne(const cpu::LineSplat& s, const TileRect& rect, int tiles_x, uint32_t pair,
                              const cpu::CoverOutput& out) {
   const FloatTag d;
@@ -50,7 +50,7 @@ HWY_INLINE uint32_t CoverOne(const cpu::LineSplat& s, const TileRect& rect, int 
   // alpha >= 1/255 <=> sum <= bound. The slack covers rounding here and in the blend loop, also of needles whose
   // center is far away.
   const Lanes bound(s.log2_opacity - kLog2AlphaMin + 1e-3f);
-  // One loop over the rectangle: most hold one or a few tiles, and a second loop's end would be guessed wrongly.
+  // One loop over the rectangle: most hold one or a few tiles, and the end of a second loop would be mispredicted.
   int tx = rect.x0, ty = rect.y0;
   for (int left = rect.Count(); left > 0; --left) {
     const Lanes corner_x(static_cast<float>(tx * kTile) - s.mx), corner_y(static_cast<float>(ty * kTile) - s.my);

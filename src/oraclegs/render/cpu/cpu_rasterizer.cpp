@@ -31,7 +31,7 @@ class StageClock {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/// The gradients of one block, on the stack of the thread that works on it.
+/// The gradients of one block, on the stack of its thread.
 struct BlockGrads {
   alignas(64) float means[3 * kGradBlock];
   alignas(64) float log_scales[3 * kGradBlock];
@@ -139,7 +139,7 @@ class CpuRasterizer final : public Rasterizer {
     return sum;
   }
 
-  /// Fills the records. Returns what the per-Gaussian part reads.
+  /// Fills the records. Returns the input of the per-Gaussian stage.
   GradInput BlendBackward(const Gaussians& gaussians, const RenderGrads& upstream) {
     // The parameters may have moved to other memory since Forward, but not changed.
     input_.gaussians = BackwardParameters(gaussians, trained_size_);

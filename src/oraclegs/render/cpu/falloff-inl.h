@@ -1,4 +1,5 @@
-// How one Gaussian covers the 16 pixels of a block: the part that forward and backward must compute to the same bits.
+// Falloff of one Gaussian over the 16 pixels of a block: the part that forward and backward must compute to the same
+// bits.
 
 #if defined(ORACLEGS_RENDER_CPU_FALLOFF_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ORACLEGS_RENDER_CPU_FALLOFF_INL_H_
@@ -33,7 +34,7 @@ HWY_INLINE FloatVec Exp2Where(FloatMask where, FloatVec x) {
   // Adding 1.5 2^23 rounds to an integer, which is left in the lowest bits.
   const FloatVec magic = hn::Set(d, 12582912.f), shifted = hn::Add(x, magic);
   const FloatVec f = hn::Sub(x, hn::Sub(shifted, magic)), square = hn::Mul(f, f);
-  // Pairs of terms, so that the chain of waits is short.
+  // Pairs of terms, for a short dependency chain.
   const FloatVec low = hn::MulAdd(f, hn::Set(d, 0.69312181f), hn::Set(d, 0.99999926f));
   const FloatVec high =
       hn::MulAdd(square, hn::Set(d, 0.0095701f), hn::MulAdd(f, hn::Set(d, 0.05591786f), hn::Set(d, 0.24024745f)));
@@ -44,7 +45,7 @@ HWY_INLINE FloatVec Exp2Where(FloatMask where, FloatVec x) {
 }
 
 #if HWY_TARGET > HWY_AVX3
-/// For each set of lanes, as bits, their numbers in order.
+/// For each set of lanes, given as bits, its lane numbers in order.
 struct LaneSets {
   alignas(8) uint8_t numbers[1 << kLanes][kLanes];
 };
@@ -61,11 +62,11 @@ constexpr LaneSets MakeLaneSets() {
 inline constexpr LaneSets kLaneSets = MakeLaneSets();
 #endif
 
-/// Stores first + lane for each lane of `chosen`, in order, with room for kLanes of them. Returns how many there are.
+/// Stores first + lane for each chosen lane, in order; `to` must have room for kLanes. Returns how many were stored.
 HWY_INLINE int StoreChosen(int first, hn::Mask<IntTag> chosen, int32_t* to) {
   const IntTag d;
 #if HWY_TARGET <= HWY_AVX3
-  // Not Iota(d, first): with a number that the compiler does not know it is built in memory, lane by lane.
+  // Not Iota(d, first): for a number unknown at compile time it is built in memory, lane by lane.
   hn::StoreU(hn::Compress(hn::Add(hn::Iota(d, 0), hn::Set(d, first)), chosen), d, to);
   return static_cast<int>(hn::CountTrue(d, chosen));
 #else
@@ -79,7 +80,7 @@ HWY_INLINE int StoreChosen(int first, hn::Mask<IntTag> chosen, int32_t* to) {
 #endif
 }
 
-/// Centers of a block's pixels, from the tile's center.
+/// Centers of a block's pixels, relative to the tile's center.
 struct BlockPixels {
   FloatVec x[kVecs], y[kVecs];
 
@@ -92,11 +93,11 @@ struct BlockPixels {
 };
 
 /// Consecutive entries of a tile's list, prepared for the blocks: the splats' numbers relative to the tile's center,
-/// and for each block the positions of the splats that reach it. Small enough for the first-level cache.
+/// and for each block the positions of the splats that reach it. Fits the first-level cache.
 struct HWY_ALIGN Segment {
   static constexpr int kSize = 256;
-  /// Steps of a block's list are numbered by segment and, within it, by position in the block's own list: this is the
-  /// number of the first one of the segment that begins at an entry. As BlendImage::end.
+  /// Number of the first step of the segment that begins at an entry. Steps of a block's list are numbered by segment
+  /// and, within it, by position in the block's own list. As BlendImage::end.
   static constexpr int32_t FirstStep(int64_t entry) { return static_cast<int32_t>(entry / kSize * 2 * kSize); }
   static constexpr int64_t FirstEntry(int32_t step) { return step / (2 * kSize) * int64_t{kSize}; }
 
@@ -112,7 +113,7 @@ struct HWY_ALIGN Segment {
     for (int v = 0; v < kVecs; ++v) alpha[v] = CappedAlpha(Reached(alpha[v]), alpha[v]);
   }
 
-  /// The same, and 0 outside of `where`.
+  /// Alphas in the lanes of `where`, and 0 elsewhere.
   HWY_INLINE void AlphasWhere(const FloatMask* where, int i, const BlockPixels& at,
                               FloatVec* HWY_RESTRICT alpha) const {
     Log2Alphas(i, at, alpha);
@@ -129,7 +130,7 @@ struct HWY_ALIGN Segment {
         std::fill(std::copy(group, group + n - i, rest), rest + kLanes, cpu::TileEntry{group->id, 0, 0});
         group = rest;
       } else if (n - i >= 3 * kLanes) {
-        // The splats lie anywhere in memory.
+        // The splats are scattered in memory.
         for (int lane = 2 * kLanes; lane < 3 * kLanes; ++lane) __builtin_prefetch(&tile.splats[group[lane].id]);
       }
       LoadSplats(tile, group, i);
@@ -191,7 +192,7 @@ struct HWY_ALIGN Segment {
   }
 };
 
-/// Consecutive entries whose splats are needed after the current work. They lie anywhere in memory: prefetching all at
+/// Consecutive entries whose splats are needed after the current work. They are scattered in memory: prefetching all at
 /// once would stall, so each block of the current work prefetches its share.
 struct Upcoming {
   const cpu::LineSplat* splats;

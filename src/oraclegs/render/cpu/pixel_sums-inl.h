@@ -28,12 +28,12 @@ inline constexpr int kRowsAVector = std::max(kLanes / 4, 1);
 /// Vectors that hold all rows.
 inline constexpr int kRowGroups = 4 / kRowsAVector;
 
-/// Where a block's middle is, px from the tile's.
+/// Center of a block, in pixels from the tile's center.
 struct BlockMiddle {
   float x, y;
 };
 
-/// Of four Gaussians, or one where there is one lane: vector x has the pixels of column x, in row group `group`.
+/// Loads four Gaussians, or one with one lane: vector x has the pixels of column x, in row group `group`.
 HWY_INLINE void LoadColumns(const float (*HWY_RESTRICT gaussians)[16], int group, FloatVec* HWY_RESTRICT columns) {
   const FloatTag d;
 #if HWY_TARGET == HWY_SCALAR
@@ -76,7 +76,7 @@ HWY_INLINE void SumMoments(const float (*HWY_RESTRICT h)[16], const BlockMiddle&
                            FloatVec* HWY_RESTRICT moments) {
   const FloatTag d;
   const FloatVec three = hn::Set(d, 3.f), nine = hn::Set(d, 9.f);
-  // Of four neighbors at -3/2, -1/2, 1/2, 3/2: sum, first moment in halves, second moment in quarters.
+  // Four neighbors at -3/2, -1/2, 1/2, 3/2: their sum, first moment in halves, second moment in quarters.
   const auto sum = [&](FloatVec a, FloatVec b, FloatVec c, FloatVec e)
                        HWY_ATTR { return hn::Add(hn::Add(a, e), hn::Add(b, c)); };
   const auto first = [&](FloatVec a, FloatVec b, FloatVec c, FloatVec e)
@@ -105,7 +105,7 @@ HWY_INLINE void SumMoments(const float (*HWY_RESTRICT h)[16], const BlockMiddle&
   const FloatVec xx = quarters(SumRows(row_xx));
   const FloatVec xy = quarters(first(row_x[0], row_x[1], row_x[2], row_x[3]));
   const FloatVec yy = quarters(second(row[0], row[1], row[2], row[3]));
-  // From the block's center to the tile's.
+  // Moves the moments from the block's center to the tile's.
   const FloatVec vx = hn::Set(d, middle.x), vy = hn::Set(d, middle.y);
   const FloatVec shifted_x = hn::MulAdd(vx, m, x), shifted_y = hn::MulAdd(vy, m, y);
   moments[0] = m;
@@ -116,7 +116,7 @@ HWY_INLINE void SumMoments(const float (*HWY_RESTRICT h)[16], const BlockMiddle&
   moments[5] = hn::MulAdd(vy, hn::Add(shifted_y, y), yy);
 }
 
-/// Vector x: for each lane the number of its row's pixel in column x.
+/// Fills vector x with each lane's pixel of its row in column x.
 HWY_INLINE void SpreadColumns(const float* HWY_RESTRICT pixels, int group, FloatVec* HWY_RESTRICT columns) {
   const FloatTag d;
 #if HWY_TARGET == HWY_SCALAR
@@ -132,7 +132,7 @@ HWY_INLINE void SpreadColumns(const float* HWY_RESTRICT pixels, int group, Float
 #endif
 }
 
-/// sums[c]: over the block's pixels of w g[c].
+/// sums[c] = sum over the block's pixels of w g[c].
 template <int kChannels>
 HWY_INLINE void SumProducts(const float (*HWY_RESTRICT w)[16], const float (*HWY_RESTRICT g)[16],
                             FloatVec* HWY_RESTRICT sums) {
@@ -155,8 +155,8 @@ HWY_INLINE void SumProducts(const float (*HWY_RESTRICT w)[16], const float (*HWY
   }
 }
 
-/// Adds lane k of columns [0, 12) to record positions[k], for `count` lanes. Overwrites the columns, of which there is
-/// room for cpu::kGradStride.
+/// Adds lane k of columns [0, 12) to record positions[k], for `count` lanes. Overwrites the columns; the array has room
+/// for cpu::kGradStride.
 HWY_INLINE void AddToRecords(FloatVec* HWY_RESTRICT columns, const int32_t* HWY_RESTRICT positions, int count,
                              float* HWY_RESTRICT records) {
   const auto add = [&](auto d, auto row, int lane, int first) HWY_ATTR {

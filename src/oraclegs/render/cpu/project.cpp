@@ -58,12 +58,12 @@ HWY_INLINE Vec3<Lanes> RawColor(const ShColumns& sh, const Lanes* basis, int coe
 
 /// The lanes' ellipses alpha >= 1/255.
 struct Ellipses {
-  Lanes center[2], half[2];  ///< of their bounding boxes, px
+  Lanes center[2], half[2];  ///< center and half size of the bounding boxes, px
   LanesMask visible;
 };
 
-/// Tile rectangles of the ellipses, exact but for rounding, which widens them (docs/method.md#tiles-and-sorting). Empty
-/// where not visible or outside the image. Returns whether any is not.
+/// Stores the tile rectangles of the ellipses, exact but for rounding, which widens them
+/// (docs/method.md#tiles-and-sorting). Empty where not visible or outside the image. Returns whether any is not empty.
 HWY_INLINE bool StoreRects(const SplatCamera<float>& camera, const Ellipses& ellipses, int count, TileRect* rects) {
   const IntTag di;
   const Lanes slack(1e-3f);  // of a pixel: many ulp at any image size
@@ -72,7 +72,7 @@ HWY_INLINE bool StoreRects(const SplatCamera<float>& camera, const Ellipses& ell
   HWY_ALIGN int32_t first[2][kLanes], last[2][kLanes];  // tiles
   for (int axis = 0; axis < 2; ++axis) {
     const Lanes center = ellipses.center[axis], half = ellipses.half[axis];
-    // Pixel centers lie at halves. Comparisons are such that NaN is not visible.
+    // Pixel centers are at halves. The comparisons make NaN invisible.
     const Lanes low = hn::Ceil((center - half - Lanes(0.5f) - slack).v);
     const Lanes high = hn::Floor((center + half - Lanes(0.5f) + slack).v);
     const Lanes end(size[axis] - 1), zero(0.f);
@@ -138,9 +138,9 @@ HWY_NOINLINE void ProjectSplats(const cpu::ProjectInput& in, int64_t begin, int6
   }
 }
 
-/// What the sums of a Gaussian's records are made of, four floats each. A record's moments are about its tile's center;
-/// with (dx, dy) from the Gaussian to that center they move to the Gaussian as (x + dx)(y + dy) is multiplied out, so
-/// all that needs to be summed is moments, moments times dx and dy, and the zeroth one times the three products.
+/// Sums over a Gaussian's records, four floats each. A record's moments are about its tile's center. With (dx, dy) from
+/// the Gaussian to that center, moments about the Gaussian follow by expanding (x + dx)(y + dy): they need the sums of
+/// the moments, of moments times dx and dy, and of the zeroth one times the three products.
 enum MomentSums { kSums0, kSums4, kSumsDx, kSumsDy, kSumsProducts, kSumsColor, kMomentSums };
 inline constexpr int kMomentRow = 32;  // floats; a whole number of vectors
 static_assert(4 * kMomentSums <= kMomentRow && kMomentRow % kLanes == 0);
@@ -169,8 +169,8 @@ class TileColumns {
   uint64_t inverse_;
 };
 
-/// Fetches what the gradient of Gaussian i is made of, while those before it are worked on: its records were written
-/// past the caches, and the processor does not foresee so few rows of colors.
+/// Prefetches the inputs of Gaussian i's gradient, while those before it are processed: its records were written past
+/// the caches, and the prefetcher does not catch so few rows of colors.
 HWY_INLINE void PrefetchGaussian(const cpu::ProjectInput& in, const cpu::GradInput& grads, int64_t i) {
   constexpr int kLocality = 2;    // the second-level cache: too much for the first
   constexpr int kRecords = 3;     // most Gaussians have no more
@@ -181,7 +181,7 @@ HWY_INLINE void PrefetchGaussian(const cpu::ProjectInput& in, const cpu::GradInp
   for (int k = 0; k < kShFloats; k += kCacheLine) __builtin_prefetch(sh + k, 0, kLocality);
 }
 
-/// Writes kMomentSums quads.
+/// Writes kMomentSums quads of Gaussian i to `sums`.
 HWY_INLINE void SumRecords(const cpu::GradInput& grads, const TileColumns& columns, int64_t i, float* sums) {
   const cpu::PairRange range = grads.ranges[i];
   const float to_x = static_cast<float>(kTile / 2) - grads.splats[i].mx;
@@ -209,7 +209,7 @@ struct Moments {
   Lanes h, x, y, xx, xy, yy, r, g, b, inv_z;
 };
 
-/// One Gaussian a lane, of rows of kMomentRow floats.
+/// Reads one Gaussian per lane from rows of kMomentRow floats.
 HWY_INLINE Moments CombineSums(const float* rows) {
   FloatVec v[kMomentRow];
   LoadWideRows(rows, kMomentRow, kLanes, kMomentRow / kLanes, v);
@@ -240,10 +240,10 @@ HWY_INLINE void ZeroRows(const GaussianRows& out, int count, int coefficients) {
 struct LaneGroup {
   int64_t first;   ///< row of lane 0
   int count;       ///< rows; later lanes repeat the last
-  LanesMask seen;  ///< reached a pixel; elsewhere results may be undefined and must come out as zero
+  LanesMask seen;  ///< lanes that reached a pixel; elsewhere results may be undefined and must come out as zero
 };
 
-/// `rows` of sh begin with lane 0's.
+/// Stores the gradient of SH; `rows` begin with lane 0's.
 HWY_INLINE void StoreShGradient(const Lanes* basis, const Vec3<Lanes>& g, const LaneGroup& group, int coefficients,
                                 float* rows) {
   const Lanes zero(0.f);
@@ -257,7 +257,7 @@ HWY_INLINE void StoreShGradient(const Lanes* basis, const Vec3<Lanes>& g, const 
   const int whole = 3 * coefficients / kLanes, rest = 3 * coefficients % kLanes;
   StoreWideRows(columns, kShFloats, group.count, whole, rows);
   if (rest == 0) return;
-  // Columns above the active degree are not ours to write.
+  // Columns above the active degree must not be written.
   HWY_ALIGN float buffer[kLanes * kLanes];
   FloatVec* last = columns + whole * kLanes;
   for (int c = rest; c < kLanes; ++c) last[c] = zero.v;
@@ -267,7 +267,7 @@ HWY_INLINE void StoreShGradient(const Lanes* basis, const Vec3<Lanes>& g, const 
   }
 }
 
-/// Gradient rows of SH, from lane 0's on, and the part of d/d(mean) that comes through the viewing direction
+/// Stores gradient rows of SH, from lane 0's on. Returns the part of d/d(mean) that comes through the viewing direction
 /// (docs/method.md#color-gradient).
 HWY_INLINE Vec3<Lanes> ColorBackward(const cpu::ProjectInput& in, const Vec3<Lanes>& mean, const Vec3<Lanes>& g_color,
                                      const LaneGroup& group, float* sh_rows) {
@@ -292,7 +292,7 @@ HWY_INLINE Vec3<Lanes> ColorBackward(const cpu::ProjectInput& in, const Vec3<Lan
           (gd.z - direction.z * radial) * inv_distance};
 }
 
-/// Where one vector's share of the screen gradients goes.
+/// Destination of one vector's screen gradients.
 struct ScreenLanes {
   const cpu::GradInput& grads;
   int64_t first;  ///< Gaussian of lane 0
@@ -347,8 +347,8 @@ HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::
     g.conic_a = Lanes(-0.5f) * m.xx;
     g.conic_b = -m.xy;
     g.conic_c = Lanes(-0.5f) * m.yy;
-    // m.h sums alpha dL/d(alpha), which is dL/d(log opacity): a factor the opacity was rendered with is a constant
-    // under the logarithm, so this is the derivative by the opacity without it.
+    // m.h sums alpha dL/d(alpha), which is dL/d(log opacity). An opacity factor is a constant under the logarithm, so
+    // this is the derivative by the opacity without it.
     g.opacity = m.h / p.opacity;
     g.inv_z = m.inv_z;
     if (grads.screen_sums) AddScreenGradients(g, camera, {grads, i, count});

@@ -9,14 +9,14 @@
 namespace oraclegs::cpu {
 
 /// Memory for items that every pass writes anew. Aligned for any vector and to cache lines; grows to the largest use
-/// and a quarter more, so that counts which creep up from pass to pass do not allocate in each.
+/// plus a quarter, so that slowly rising counts do not allocate in each pass.
 template <class T>
 class ScratchArray {
  public:
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
 
-  /// Makes room for `count` items. What was there is lost when it grows, and new items hold anything. Throws
-  /// std::bad_alloc, and is empty then.
+  /// Makes room for `count` items. Growing loses the contents, and new items are uninitialized. Throws std::bad_alloc,
+  /// and is empty then.
   void Reserve(int64_t count) {
     if (count <= capacity_) return;
     items_.reset();  // first, so that both are never held at once

@@ -1,6 +1,6 @@
-// Binning: cover (which tiles does each Gaussian reach), one radix sort of the visible by depth, then a scatter of the
+// Binning: cover (the tiles that each Gaussian reaches), one radix sort of the visible by depth, then a scatter of the
 // pairs to their tiles in that order. Every step is a counting step, a prefix sum and a stable scatter over chunks, so
-// that the result does not depend on how the work is cut.
+// that the result does not depend on the partition.
 
 #include "oraclegs/render/cpu/tile_lists.h"
 
@@ -17,12 +17,13 @@ constexpr int kRadixBits = 11;
 constexpr int kBuckets = 1 << kRadixBits;
 constexpr int64_t kPrefetch = 16;  // items ahead: what they point to lies anywhere in memory
 
-/// More chunks than threads, so that a thread that gets no core delays little.
+/// More chunks than threads, so that a thread without a core delays little.
 int64_t ChunkCount(int64_t items) { return std::clamp<int64_t>(items / 2048, 1, 4 * NumThreads()); }
 
 int64_t ChunkBegin(int64_t items, int64_t chunk, int64_t chunks) { return items * chunk / chunks; }
 
-/// counts[chunk][bucket] become positions within the bucket; begin[bucket] the bucket's start, begin[buckets] the sum.
+/// Turns counts[chunk][bucket] into positions within the bucket and sets begin[bucket] to the bucket's start,
+/// begin[buckets] to the total.
 void PrefixSums(uint32_t* counts, int64_t chunks, int64_t buckets, int64_t* begin) {
   ParallelBlocks(buckets, 1024, [&](int64_t first, int64_t last) {
     std::fill(begin + first, begin + last, 0);

@@ -8,8 +8,8 @@
 
 namespace oraclegs::cpu {
 
-/// For each tile the Gaussians that reach it, near to far, and for each Gaussian where its pairs lie. Buffers grow to
-/// the largest use and stay.
+/// For each tile the Gaussians that reach it, near to far, and for each Gaussian its pairs. Buffers grow to the largest
+/// use and are reused.
 class TileLists {
  public:
   ScratchArray<int64_t> tile_begin;  ///< [tiles + 1] into entries
@@ -20,7 +20,7 @@ class TileLists {
   int64_t pairs = 0;
   int64_t pair_numbers = 0;  ///< pair numbers are below this; some are unused
 
-  /// rects[i] empty = not visible. Throws RunError when there are more than 2^32 candidate pairs.
+  /// Builds the lists. rects[i] empty = not visible. Throws RunError when there are more than 2^32 candidate pairs.
   void Build(const LineSplat* splats, const TileRect* rects, int64_t n, int tiles_x, int tiles_y);
 
  private:

@@ -15,12 +15,12 @@ constexpr int kTermRow = kWarp + 1;                        // the lanes that sum
 constexpr unsigned kFirst = 0x80000000u;                   // of a run, in a mask
 static_assert(kWarp == kPatchWidth * kPatchHeight && kRowsALane > 0 && kRun == kWarp);
 
-/// What a pixel adds to the sums of a Gaussian: h and w of BlendBackward's records.
+/// Contribution of a pixel to the sums of a Gaussian: h and w of BlendBackward's records.
 struct alignas(8) Term {
   float change, weight;
 };
 
-/// A warp's room.
+/// Shared memory of one warp.
 template <int kLength>
 struct Room {
   float4 gradients[kWarp];  // of the patch's pixels: dL/d(rgb), dL/d(inv_depth)
@@ -28,7 +28,7 @@ struct Room {
   float sums[kRecord][kLength];  // of the bucket's entries
 };
 
-/// Where a bucket lies.
+/// Place of a bucket in its tile.
 struct Place {
   int tile, x, y;  // px
   uint32_t first;  // entry of the tile's list
@@ -75,7 +75,7 @@ __device__ inline Ray LoadRay(const BlendBackwardInput& in, const Place& place, 
   if (in.upstream.inv_depth != nullptr) g.w = in.upstream.inv_depth[pixel];
   const float* states = place.states + i;
   ray.transmittance = states[0];
-  // The image is what the Gaussians and the background add up to; less what is in front, it is what follows.
+  // The image is the sum of the Gaussians and the background; subtracting what is in front leaves what is behind.
   const float* image = in.image.image + 3 * pixel;
   const float g_alpha = in.upstream.alpha != nullptr ? in.upstream.alpha[pixel] : 0.f;
   ray.rest = g.x * (image[0] - states[kTilePixels]) + g.y * (image[1] - states[2 * kTilePixels]) +
@@ -84,7 +84,7 @@ __device__ inline Ray LoadRay(const BlendBackwardInput& in, const Place& place, 
   return ray;
 }
 
-/// Adds the terms of the patch at (x, y), whose first center that is, to the sums of up to kBatch entries. A lane has
+/// Adds the terms of the patch whose first pixel center is (x, y) to the sums of up to kBatch entries. Each lane has
 /// some rows of pixels of one Gaussian: entry `mine`, in `slot` of the terms; negative: none.
 template <int kLength>
 __device__ inline void AddBatch(const Splat* splats, float x, float y, int mine, Room<kLength>* room) {

@@ -6,7 +6,7 @@ namespace {
 
 constexpr int kBatch = kMaxRuns * kRun;  // entries in shared memory at once
 
-/// One pixel on its way from the eye.
+/// Blending state of one pixel.
 struct Ray {
   float x, y;  // center, px
   float transmittance = 1, r = 0, g = 0, b = 0, inv_z = 0;

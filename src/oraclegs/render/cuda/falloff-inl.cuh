@@ -1,5 +1,6 @@
 #pragma once
-// How one Gaussian covers a pixel, and which pixels it can reach: what several kernels must compute to the same bits.
+// Falloff of one Gaussian at a pixel, and the pixels it can reach: formulas that several kernels must compute to the
+// same bits.
 
 #include "oraclegs/core/cuda/fast_math-inl.cuh"
 #include "oraclegs/render/cuda/warp-inl.cuh"
@@ -18,11 +19,11 @@ __device__ inline float NextTransmittance(float alpha, float transmittance) {
   return fmaf(-alpha, transmittance, transmittance);
 }
 
-/// Where thread `i` of a tile's 256 lies in it: each warp has 8 x 4 pixels.
+/// Position of thread `i` of 256 within the tile: each warp has 8 x 4 pixels.
 __device__ inline int PixelX(int i) { return i / kWarp % 2 * 8 + i % 8; }
 __device__ inline int PixelY(int i) { return i / (2 * kWarp) * 4 + i % kWarp / 8; }
 
-/// What decides which rectangles a Gaussian reaches.
+/// Terms of the reach test of a Gaussian.
 struct Reach {
   float mx, my, ax, by, slope, across, bound;
 };

@@ -1,7 +1,7 @@
 #pragma once
-// The last stage of the backward pass with room for what is done with the gradients: one thread a Gaussian computes
-// them and hands them to a consumer, so that they need not go through memory. The consumer is a small struct, copied to
-// the device, with
+// The last stage of the backward pass with a consumer of the gradients: one thread per Gaussian computes them and hands
+// them over in registers, so that they need not go through memory. The consumer is a small struct, copied to the
+// device, with
 //
 //   __device__ void ConsumeSmall(int64_t i, const GaussianGrad& grad) const;
 //   __device__ void ConsumeSh(int64_t i, int first, float4 grad) const;
@@ -15,15 +15,15 @@
 
 namespace oraclegs::cuda {
 
-/// dL/d(raw parameter) of one Gaussian, of SH the constant ones alone; zero where it was not seen.
+/// dL/d(raw parameter) of one Gaussian; SH: the constant coefficient only. Zero where it was not seen.
 struct GaussianGrad {
   float mean[3] = {}, log_scale[3] = {}, quat[4] = {}, logit = 0, sh0[3] = {};
 };
 
-/// Gaussians of more pairs than this are summed by the whole warp.
+/// Pairs of a Gaussian above which the whole warp sums them.
 inline constexpr uint32_t kMaxPairsPerThread = 16;
 
-/// The sums of one Gaussian's records, in an order that depends on their number only.
+/// Sums one Gaussian's records, in an order that depends on their number only.
 __device__ inline void SumRecords(const GaussianBackwardInput& in, uint32_t begin, uint32_t count, float* sums) {
   const int lane = LaneInWarp();
   for (int k = 0; k < kRecord; ++k) sums[k] = 0;
@@ -49,7 +49,7 @@ __device__ inline void SumRecords(const GaussianBackwardInput& in, uint32_t begi
   }
 }
 
-/// The small parameters' gradient of one seen Gaussian. `row`: its SH, which becomes dL/d(sh).
+/// Gradient of the small parameters of one seen Gaussian. `row`: its SH, which becomes dL/d(sh).
 __device__ inline GaussianGrad BackwardOfOne(const GaussianBackwardInput& in, int64_t i, const float* sums,
                                              float* row) {
   const SplatCamera<float>& camera = in.camera;
@@ -126,7 +126,7 @@ __global__ void __launch_bounds__(kShThreads, 6) GaussianBackwardKernel(Gaussian
   }
 }
 
-/// Queues the stage on its stream: computes all gradients and hands them to copies of `consumer`. `name` stands in
+/// Queues the stage on its stream: computes all gradients and hands them to copies of `consumer`. `name` appears in
 /// errors.
 template <class Consumer>
 void RunGaussianBackward(const char* name, const GaussianBackwardInput& in, const Consumer& consumer) {

@@ -5,7 +5,7 @@
 namespace oraclegs::cuda {
 namespace {
 
-/// Keeps the gradients as rows.
+/// Consumer that stores the gradients as rows.
 struct WriteRows {
   GaussianRows rows;
   int floats;  // of sh that are written

@@ -5,8 +5,8 @@
 namespace oraclegs::cuda {
 namespace {
 
-/// Tiles of [center - half, center + half] along one axis, as [*first, *last); whether there are any. Exact but for
-/// rounding, which widens them (docs/method.md#tiles-and-sorting). NaN is not visible.
+/// Computes the tiles of [center - half, center + half] along one axis as [*first, *last); returns whether there are
+/// any. Exact but for rounding, which widens them (docs/method.md#tiles-and-sorting). NaN is not visible.
 __device__ inline bool TilesAlong(float center, float half, int size, uint16_t* first, uint16_t* last) {
   const float slack = 1e-3f;  // of a pixel: many ulp at any image size
   const float low = ceilf(center - half - 0.5f - slack), high = floorf(center + half - 0.5f + slack);

@@ -17,14 +17,14 @@ constexpr int64_t kPeakDecay = 64;   // views in which the remembered peak of pa
 static_assert(kSortedWords <= kRecord && sizeof(float) == sizeof(uint32_t));
 constexpr int64_t kOrderWords = 4;  // of a Gaussian, see RasterCore::states_
 constexpr int64_t kStateWords = int64_t{kStateFloats} * kTilePixels;
-// From so many Gaussians on a bucket has two runs, and four: a quarter of the states to write, keep and read. With
-// fewer Gaussians there are too few buckets to fill a GPU.
+// Numbers of Gaussians from which a bucket has two runs, and four: a quarter of the states to write, keep and read.
+// With fewer Gaussians there are too few buckets to fill a GPU.
 constexpr int64_t kTwoRuns = 250'000, kFourRuns = 600'000;
 
-/// With room for a next view that has more.
+/// `count` with spare room for a larger next view.
 int64_t WithSpare(int64_t count) { return count + count / 8; }
 
-/// Runs of a bucket.
+/// Runs per bucket.
 int RunsFor(int asked, int64_t gaussians) {
   if (asked > 0) return asked;
   return gaussians >= kFourRuns ? 4 : gaussians >= kTwoRuns ? 2 : 1;
@@ -86,7 +86,7 @@ void RasterCore::Forward(const SplatCamera<float>& camera, const GaussianParamet
   GatherCounts(counts_.data(), order.sorted_ids, n, order.depths, stream_);
   ExclusiveSum(order.depths, order.ids, n, &scratch_, stream_);
 
-  // Usually this view has about as many pairs as the recent ones: all work is queued before their number is read.
+  // This view usually has about as many pairs as the recent ones: all work is queued before the number is read.
   sent_pairs_ = std::min(pair_room_, WithSpare(recent_pairs_));
   const bool sent = sent_pairs_ > 0;
   if (sent) SendBinAndBlend();
@@ -196,7 +196,7 @@ int64_t RasterCore::EstimateBytes(int64_t gaussians, int64_t pairs, int64_t pixe
   constexpr int64_t kOfGaussian = sizeof(Splat) + sizeof(TileRect) + 2 * sizeof(uint32_t);
   constexpr int64_t kOfPair = sizeof(float) * (kRecord + 2) + 8;  // the last is what sorting them takes
   constexpr int64_t kOfBucket = sizeof(float) * kStateWords + sizeof(Bucket);
-  // Every tile ends with a bucket that is partly filled.
+  // Every tile ends with a partly filled bucket.
   const int64_t buckets = pairs / (RunsFor(0, gaussians) * kRun) + pixels / kTilePixels;
   return kOfGaussian * gaussians + WithSpare(kOfPair * pairs) + WithSpare(kOfBucket * buckets) +
          static_cast<int64_t>(sizeof(uint32_t)) * pixels;

@@ -1,9 +1,9 @@
 #pragma once
 // The CUDA rasterizer on plain device memory: the order of the stages, and the memory between them.
 //
-// The host never waits for an idle device. How many pairs there are is known early in Forward and read only after all
-// of it has been sent, for as many pairs as there was room; how many buckets, when the backward pass begins. Where
-// there were more, memory grows and the stages after the count are sent once more; results do not depend on it.
+// The host never waits for an idle device. The number of pairs is known early in Forward and read only after all stages
+// are queued for the available room; the number of buckets is read when the backward pass begins. If there were more,
+// memory grows and the stages after the count are queued again; results do not depend on it.
 
 #include "oraclegs/core/cuda/sort_scan.h"
 #include "oraclegs/render/cuda/blend.h"
@@ -21,38 +21,38 @@ void RequireCountable(int64_t gaussians, int64_t pairs);
 
 class RasterCore {
  public:
-  /// All work goes to `stream`, in order. `runs` of 32 entries make a bucket: 1, 2 or 4; 0: more, the more Gaussians
-  /// there are.
+  /// Sends all work to `stream`, in order. `runs`: runs of 32 entries per bucket: 1, 2 or 4; 0: chosen by the number of
+  /// Gaussians.
   explicit RasterCore(cudaStream_t stream, int runs = 0) : stream_(stream), runs_(runs) {}
 
-  /// Takes the memory for so many Gaussians now, without spare room; pairs come as they are needed. Throws OutOfMemory.
+  /// Allocates for that many Gaussians now, without spare room; memory of pairs grows on demand. Throws OutOfMemory.
   void ReserveGaussians(int64_t n);
 
-  /// Throws OutOfMemory, or RunError when there are 2^30 pairs and more.
+  /// Renders into `out`. Throws OutOfMemory, or RunError for 2^30 pairs or more.
   void Forward(const SplatCamera<float>& camera, const GaussianParameters& parameters, const ImagePlanes& out,
                bool train);
 
-  /// The adjoint of the last Forward(train) up to the records of pairs; `parameters` as then, perhaps elsewhere in
-  /// memory; the images that it wrote are read. What it returns is for RunGaussianBackward, and valid until the next
-  /// Forward.
+  /// The adjoint of the last Forward(train) up to the records of pairs. `parameters` have the same values, perhaps at
+  /// another address; reads the images that Forward wrote. The result is for RunGaussianBackward, and valid until the
+  /// next Forward.
   GaussianBackwardInput BlendBackward(const GaussianParameters& parameters, const UpstreamPlanes& upstream);
 
-  /// To be called when the Gaussian backward stage was sent: it is timed and counted until here.
+  /// Ends the times and counts of the backward pass. Call it when the Gaussian backward stage is queued.
   void EndBackward();
 
   cudaStream_t stream() const { return stream_; }
-  /// These wait for the device.
+  /// Counts of the last passes; like times(), waits for the device.
   Counters counters() const;
   StageTimes times() const;
 
   /// Device memory held now.
   int64_t bytes() const;
 
-  /// bytes() of training, about.
+  /// Estimate of bytes() in training.
   static int64_t EstimateBytes(int64_t gaussians, int64_t pairs, int64_t pixels);
 
  private:
-  /// In order of depth: the Gaussians, and the number of the first pair of each (`ids`, once they are sorted).
+  /// Order by depth: the Gaussians, and the number of the first pair of each (`ids`, once they are sorted).
   struct Order {
     uint32_t *depths, *ids, *sorted_depths, *sorted_ids;
   };
@@ -73,26 +73,26 @@ class RasterCore {
   ImagePlanes planes_{};
   bool train_ = false, forward_done_ = false, backward_done_ = false;
 
-  // By Gaussian.
+  // Per Gaussian.
   DeviceArray<Splat> splats_{"the projected Gaussians"};
   DeviceArray<TileRect> rects_{"the tiles of Gaussians"};
   DeviceArray<uint32_t> counts_{"the tile counts of Gaussians"}, begins_{"the first pairs of Gaussians"};
 
-  // By pair.
+  // Per pair.
   int64_t pairs_ = 0, pair_room_ = 0;
-  int64_t recent_pairs_ = 0;  ///< largest number of the recent views; it decays
-  int64_t sent_pairs_ = 0;    ///< how many this view's binning was sent for, at most pair_room_
+  int64_t recent_pairs_ = 0;  ///< decaying maximum over the recent views
+  int64_t sent_pairs_ = 0;    ///< pairs that this view's binning was queued for, at most pair_room_
   DeviceArray<uint32_t> sorted_numbers_{"the tile lists"}, entry_ids_{"the tile lists"};
-  /// First what is sorted, which is not needed once the ranges are known: tiles, sorted tiles, numbers, Gaussians,
-  /// sent_pairs_ each. In the backward pass the records.
+  /// Input of the sort, which is not needed once the ranges are known: tiles, sorted tiles, numbers, Gaussians,
+  /// sent_pairs_ each. In the backward pass: the records.
   DeviceArray<uint32_t> pair_work_{"the tile lists and the gradients of their entries"};
 
-  // By tile and pixel, and by bucket.
+  // Per tile and pixel, and per bucket.
   DeviceArray<TileRange> ranges_{"the tiles"};
   DeviceArray<uint32_t> ends_{"the pixels of the backward pass"};
   DeviceArray<Bucket> buckets_{"the buckets of the backward pass"};
-  /// First the order of the Gaussians, of which nothing is needed once pairs are listed; the sort's input is scratch
-  /// afterwards. From blending on the states of the buckets.
+  /// The order of the Gaussians, until pairs are listed; the sort's input is scratch afterwards. From blending on: the
+  /// states of the buckets.
   DeviceArray<float> states_{"the order of Gaussians and the buckets of the backward pass"};
 
   Scratch scratch_{"sorting"};

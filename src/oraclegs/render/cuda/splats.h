@@ -1,5 +1,5 @@
 #pragma once
-// What the stages of the CUDA rasterizer hand to each other: plain memory on the device.
+// Plain device memory that the stages of the CUDA rasterizer hand to each other.
 //
 // project -> count tiles -> sort by depth -> list pairs -> sort by tile -> blend | blend backward -> Gaussian backward
 //
@@ -17,29 +17,29 @@
 
 namespace oraclegs::cuda {
 
-inline constexpr int kRun = 32;         ///< neighbors in a tile's list that a warp takes at once
-inline constexpr int kMaxRuns = 4;      ///< of a bucket
+inline constexpr int kRun = 32;         ///< neighbors in a tile's list that a warp processes at once
+inline constexpr int kMaxRuns = 4;      ///< maximum number of runs per bucket
 inline constexpr int kRecord = 10;      ///< floats of one pair's gradient
-inline constexpr int kStateFloats = 5;  ///< of a pixel at the start of a bucket: transmittance, rgb, inverse depth
+inline constexpr int kStateFloats = 5;  ///< per pixel at the start of a bucket: transmittance, rgb, inverse depth
 
 /// [begin, end) in the sorted list of pairs.
 struct alignas(8) TileRange {
   uint32_t begin, end;
 };
 
-/// Consecutive entries of a tile's list, before which the state of the pixels was kept.
+/// Consecutive entries of a tile's list; the state of the pixels before them was kept.
 struct alignas(8) Bucket {
-  uint32_t tile, first;  ///< first entry, from the tile's begin
+  uint32_t tile, first;  ///< first: first entry, counted from the tile's begin
 };
 
-/// What kernels count; zero before each Forward.
+/// Counts of the kernels; zero before each Forward.
 struct Counters {
-  unsigned long long visible, pairs;  ///< pairs: exact, also where memory is for fewer
+  unsigned long long visible, pairs;  ///< pairs: exact, also where there is memory for fewer
   unsigned long long pixel_pairs, pixel_pairs_backward;
   unsigned buckets;
 };
 
-/// Of one render, on the device: [H,W,3], [H,W], [H,W].
+/// Images of one render, on the device: [H,W,3], [H,W], [H,W].
 struct ImagePlanes {
   float *image, *alpha, *inv_depth;
 };
@@ -49,16 +49,16 @@ struct BucketStates {
   Bucket* buckets;
   float* states;      ///< [buckets, kStateFloats, 256]
   uint32_t capacity;  ///< buckets; later ones are only counted
-  uint32_t runs;      ///< of a bucket: 1, 2 or kMaxRuns
+  uint32_t runs;      ///< runs per bucket: 1, 2 or kMaxRuns
 
   ORACLEGS_HD inline uint32_t Length() const { return runs * kRun; }
 };
 
-/// What the last stage, the gradients of Gaussians, reads. Valid until the next Forward.
+/// Inputs of the last stage, the gradients of Gaussians. Valid until the next Forward.
 struct GaussianBackwardInput {
   SplatCamera<float> camera;
   GaussianParameters parameters;
-  const uint32_t *begins, *counts;  ///< [n] pairs of each Gaussian: number of the first, how many
+  const uint32_t *begins, *counts;  ///< [n] pairs of each Gaussian: number of the first, count
   const float* records;             ///< [pairs, kRecord], see BlendBackward
   cudaStream_t stream;              ///< where the stage is queued
 };

@@ -5,7 +5,7 @@
 namespace oraclegs::cuda {
 namespace {
 
-/// Gaussians of more tiles than this are worked on by the whole warp.
+/// Tiles of a Gaussian above which the whole warp works on it.
 constexpr int kMaxTilesPerThread = 8;
 constexpr uint32_t kUnseen = 0xffffffffu;  // as a depth: later than all
 constexpr int kCountBlock = 256;
@@ -18,7 +18,7 @@ struct Candidate {
   __device__ bool is_large() const { return count > kMaxTilesPerThread; }
 };
 
-/// A tile of a candidate: tile `at`, then each `stride`-th. Divides at the start only.
+/// Iterator over the tiles of a candidate: tile `at`, then each `stride`-th. Divides at the start only.
 class Walk {
  public:
   __device__ Walk(const Candidate& c, int at, int stride)
@@ -117,7 +117,7 @@ __device__ inline uint32_t TileNumber(const PairInput& in, const Walk& walk) {
   return static_cast<uint32_t>(walk.y() * in.tiles_x + walk.x());
 }
 
-/// The Gaussian of rank `r`, unless it is of the other kind: large ones or small ones.
+/// The Gaussian of rank `r`, unless it is of the other kind (large or small).
 struct Ranked {
   Candidate candidate;
   uint32_t id = 0;
@@ -134,9 +134,9 @@ __device__ inline Ranked LoadRanked(const PairInput& in, int64_t r, bool large) 
   return ranked;
 }
 
-/// The first half of the blocks lists large Gaussians, a warp each; the other half small ones, a thread each. Those
-/// near the eye, which fill the image, are neighbors in the order of depth: a warp takes ranks that lie far apart,
-/// lest one has them all and the others wait.
+/// Lists pairs: the first half of the blocks large Gaussians, a warp each; the other half small ones, a thread each.
+/// Gaussians near the eye, which fill the image, are neighbors in the order of depth: a warp takes ranks that lie far
+/// apart, so that no warp has them all.
 __global__ void ListKernel(PairInput in, PairOutput out) {
   const int64_t half = gridDim.x / 2;
   const int lane = LaneInWarp();

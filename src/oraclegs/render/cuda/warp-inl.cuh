@@ -9,8 +9,8 @@
 namespace oraclegs::cuda {
 
 inline constexpr int kShRow = 48;        ///< floats of a Gaussian's SH
-inline constexpr int kShRowStride = 49;  ///< in shared memory: no two rows in one bank
-inline constexpr int kShThreads = 128;   ///< of a block that holds its SH rows in shared memory
+inline constexpr int kShRowStride = 49;  ///< row stride in shared memory: no two rows in one bank
+inline constexpr int kShThreads = 128;   ///< threads of a block that holds its SH rows in shared memory
 
 __device__ inline int64_t ThreadInGrid() { return int64_t{blockIdx.x} * blockDim.x + threadIdx.x; }
 __device__ inline int LaneInWarp() { return static_cast<int>(threadIdx.x % kWarp); }
@@ -21,8 +21,8 @@ __device__ inline RawSplat<float> LoadRaw(const GaussianParameters& p, int64_t i
   return {{m[0], m[1], m[2]}, {s[0], s[1], s[2]}, q.x, q.y, q.z, q.w, p.opacity_logits[i]};
 }
 
-/// The SH rows of the warp's Gaussians (lane 0 has `first`) whose lane is in `mask` go to `rows` [32, kShRowStride], at
-/// least `floats` of each. All lanes take part, so that memory is read in whole lines.
+/// Copies the SH rows of the warp's Gaussians in `mask` (lane 0 has `first`) to `rows` [32, kShRowStride], at least
+/// `floats` of each. All lanes take part, so that memory is read in whole lines.
 __device__ inline void LoadShRows(const float* sh, int64_t first, unsigned mask, int floats, float* rows) {
   const int chunks = (floats + 3) / 4;
   __syncwarp();
@@ -36,7 +36,7 @@ __device__ inline void LoadShRows(const float* sh, int64_t first, unsigned mask,
   __syncwarp();
 }
 
-/// Unit vector from the camera to the Gaussian, and one over its distance.
+/// Unit vector from the camera to the Gaussian, and the reciprocal of its distance.
 __device__ inline Vec3<float> ViewDirection(const Vec3<float>& mean, const SplatCamera<float>& camera,
                                             float* inv_distance) {
   const Vec3<float> d{mean.x - camera.eye[0], mean.y - camera.eye[1], mean.z - camera.eye[2]};

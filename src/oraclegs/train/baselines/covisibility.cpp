@@ -17,7 +17,7 @@ void CheckCovisibilityView(const CovisibilityView& view) {
   if (view.mask.defined()) RequireShape("CovisibilityMap", "mask", view.mask, {camera.height, camera.width});
 }
 
-/// 0 where nothing is known or nothing is there.
+/// Inverse depth of a pixel; 0 where it is unknown or the pixel is empty.
 double KnownInvDepth(const CovisibilityView& view, int64_t pixel) {
   if (!view.inv_depth.defined() || (view.mask.defined() && !(view.mask[pixel] > kKnownDepth))) return 0;
   const auto inv_depth = static_cast<double>(view.inv_depth[pixel]);

@@ -1,6 +1,6 @@
 #pragma once
-// Covisibility maps of CoMapGS [Jang 2025] (section 3.1, eq. 1) and its weights (section 3.3, eq. 10): what few views
-// show counts more.
+// Covisibility maps of CoMapGS [Jang 2025] (section 3.1, eq. 1) and its weights (section 3.3, eq. 10): surfaces that
+// few views show get more weight.
 //
 // Two things differ from the paper. It counts the views in which a network finds a match of the pixel, and cleans the
 // map with erosion and dilation; here a view counts where depth maps agree. And its weight is that of a loss of
@@ -22,10 +22,11 @@ struct CovisibilityView {
   Buffer<float> mask;       ///< [H,W] in [0,1], the depth is known above 0.5; undefined = known everywhere
 };
 
-/// M of eq. 1 for views[index], [H,W]: of each pixel the number of other views that see the same point of the surface.
-/// That is, the point lies in their image, before the camera, and z there times their inverse depth at the pixel is 1
-/// within `tolerance`. 0 where the view's own depth is not known. From 0 to the number of views less one. On all
-/// threads, the same for any number. Throws ShapeError where buffers do not fit the camera or there is no such view.
+/// M of eq. 1 for views[index], [H,W], from 0 to the number of views less one: for each pixel, the number of other
+/// views that see the same surface point. A view sees it when the point lies in its image, before the camera, and z
+/// times its inverse depth at that pixel is 1 within `tolerance`. 0 where the view's own depth is unknown. On all
+/// threads, the result is the same for any number. Throws ShapeError where buffers do not fit the camera or there is no
+/// such view.
 Buffer<float> CovisibilityMap(const std::vector<CovisibilityView>& views, size_t index, double tolerance = 0.05);
 
 /// 1 / (M + 1) of each pixel, eq. 10: 1 where one view alone sees the point.

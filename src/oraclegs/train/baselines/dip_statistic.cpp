@@ -9,14 +9,14 @@ namespace {
 
 using Vertices = std::vector<int64_t>;  ///< ascending places in the sample
 
-/// The sample in order. Point i is (x_i, i + 1), the distribution function in counts; just left of it that is i.
+/// A sorted sample. Point i is (x_i, i + 1): the distribution function in counts; just left of x_i it is i.
 class SortedSample {
  public:
   explicit SortedSample(std::vector<float> sample) : x_(std::move(sample)) {
     std::sort(x_.begin(), x_.end());
     const auto n = static_cast<int64_t>(x_.size());
-    // Of the convex hull of points 0..i from below, and of the hull of points i..n - 1 from above, the vertex beside i.
-    // Hulls of parts of the sample follow from these.
+    // The vertex beside i of the lower hull of points 0..i, and of the upper hull of points i..n - 1. Hulls of any
+    // range of the sample follow from these.
     left_.resize(x_.size());
     for (int64_t i = 1; i < n; ++i) {
       left_[i] = i - 1;
@@ -31,7 +31,7 @@ class SortedSample {
 
   int64_t size() const { return static_cast<int64_t>(x_.size()); }
 
-  /// The greatest convex minorant of points [low, high], and the least concave majorant.
+  /// Vertices of the greatest convex minorant (Majorant: least concave majorant) of points [low, high].
   Vertices Minorant(int64_t low, int64_t high) const {
     Vertices vertices = {high};
     while (vertices.back() > low) vertices.push_back(left_[vertices.back()]);
@@ -44,7 +44,8 @@ class SortedSample {
     return vertices;
   }
 
-  /// Height over a point's place of the line through two others, in counts; of an upright line its lower end.
+  /// Height, in counts, of the line through two points over point `at`; an upright line has the height of its lower
+  /// end.
   double Line(int64_t from, int64_t to, int64_t at) const {
     const double part = Run(from, to) > 0 ? Run(from, at) / Run(from, to) : 0;
     return static_cast<double>(from + 1) + part * Rise(from, to);
@@ -52,7 +53,7 @@ class SortedSample {
 
  private:
   double Wide(int64_t i) const { return static_cast<double>(x_[i]); }
-  /// Whether the slope grows / falls at b, without a division: points may share their place.
+  /// Whether the slope grows (TurnsDown: falls) at b. Needs no division, since points may coincide.
   bool TurnsUp(int64_t a, int64_t b, int64_t c) const { return Run(a, b) * Rise(b, c) > Run(b, c) * Rise(a, b); }
   bool TurnsDown(int64_t a, int64_t b, int64_t c) const { return Run(a, b) * Rise(b, c) < Run(b, c) * Rise(a, b); }
   double Run(int64_t from, int64_t to) const { return Wide(to) - Wide(from); }
@@ -62,10 +63,10 @@ class SortedSample {
   Vertices left_, right_;
 };
 
-/// Where the two hulls of a part of the sample are farthest apart, in counts, between the part's ends; and the part
-/// that is left between the minorant's vertex at or before that place and the majorant's at or behind it.
+/// The place where the two hulls of a range are farthest apart, and the range left between the minorant's vertex at or
+/// before it and the majorant's at or behind it.
 struct WidestGap {
-  double gap = 1;  ///< what it is at the ends
+  double gap = 1;  ///< in counts; at least 1, the gap at the ends
   int64_t low, high;
 };
 
@@ -88,8 +89,8 @@ WidestGap FindWidestGap(const SortedSample& sample, const Vertices& minorant, co
   return widest;
 }
 
-/// The largest distance, in counts, of the distribution function from the minorant over points up to `high`, to which
-/// the vertices lead; at least 1 where there is a segment.
+/// The largest distance, in counts, of the distribution function from the minorant over points up to `high`, along the
+/// given vertices; at least 1 where there is a segment.
 double DistanceFromMinorant(const SortedSample& sample, const Vertices& vertices, int64_t high) {
   double largest = 0;
   for (size_t k = 1; k < vertices.size() && vertices[k] <= high; ++k) {
@@ -101,7 +102,7 @@ double DistanceFromMinorant(const SortedSample& sample, const Vertices& vertices
   return largest;
 }
 
-/// The same from the majorant over points from `low` on.
+/// The largest distance, in counts, of the distribution function from the majorant over points from `low` on.
 double DistanceFromMajorant(const SortedSample& sample, const Vertices& vertices, int64_t low) {
   double largest = 0;
   for (size_t k = 1; k < vertices.size(); ++k) {

@@ -9,11 +9,11 @@
 namespace oraclegs {
 namespace {
 
-/// What is kept of a view between the passes.
+/// A view's measurements, kept between the two passes.
 struct ViewDifferences {
   RayModes modes;
   std::vector<float> differences;
-  std::vector<float> positive;  ///< in order
+  std::vector<float> positive;  ///< ascending
 };
 
 ViewDifferences Measure(const RayView& view) {
@@ -27,7 +27,7 @@ ViewDifferences Measure(const RayView& view) {
   return out;
 }
 
-/// Of numbers in order, which are some; by linear interpolation.
+/// Percentile of ascending, non-empty numbers, linearly interpolated.
 double PercentileInOrder(const std::vector<float>& numbers, double percentile) {
   const double at = std::clamp(percentile / 100, 0.0, 1.0) * static_cast<double>(numbers.size() - 1);
   const auto below = static_cast<size_t>(at);

@@ -1,11 +1,11 @@
 #pragma once
-// What published methods for few photos do that this program's own training does not (docs/baselines.md).
+// Parts of published methods for few photos that this program's own training does without (docs/baselines.md).
 
 #include "oraclegs/core/options.h"
 
 namespace oraclegs {
 
-/// How Gaussians become more and find their places.
+/// How Gaussians are added and moved.
 enum class Densify {
   kMcmc,      ///< relocation and growth by opacity, noise on positions [Kheradmand 2024]
   kAdaptive,  ///< clone, split, prune and reset of opacities [Kerbl 2023]

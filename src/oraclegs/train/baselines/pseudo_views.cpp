@@ -18,7 +18,7 @@ void RequireCameras(const std::vector<Camera>& cameras) {
   if (cameras.empty()) throw UsageError("pseudo views need training views, and there are none; add photos with poses");
 }
 
-/// Nearest camera to a place, without camera `other` where there is another one.
+/// Index of the camera nearest to a place; `other` is skipped unless it is the only one.
 size_t NearestCamera(const std::vector<Camera>& cameras, const Vector3d& place, size_t other) {
   size_t nearest = other < cameras.size() ? other : 0;
   double best = std::numeric_limits<double>::infinity();
@@ -39,7 +39,7 @@ Camera CameraAt(const std::vector<Camera>& cameras, const Eigen::Isometry3d& cam
   return camera;
 }
 
-/// By Box and Muller.
+/// A standard normal number (Box-Muller).
 double DrawNormal(Rng* rng) {
   const double radius = std::sqrt(-2 * std::log(1 - rng->Uniform()));
   return radius * std::cos(kFullTurn * rng->Uniform());

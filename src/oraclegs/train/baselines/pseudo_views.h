@@ -1,7 +1,7 @@
 #pragma once
-// Cameras where no photo was taken, from which CoR-GS [Zhang 2024] (section 4.2) compares its two models and FSGS
-// [Zhu 2024] (section 3.3) looks at depth, by the recipe of the latter (eq. 5). The public codes draw 10000 poses in
-// advance, in other places than the papers say: in a box before forward-facing scenes, on an ellipse around others.
+// Pseudo views: cameras where no photo was taken. CoR-GS [Zhang 2024] (section 4.2) compares its two models from them,
+// FSGS [Zhu 2024] (section 3.3) looks at depth; the recipe is that of FSGS (eq. 5). The public codes draw 10000 poses
+// in advance, in other places than the papers say: in a box before forward-facing scenes, on an ellipse around others.
 
 #include <cstdint>
 #include <vector>
@@ -10,8 +10,8 @@
 
 namespace oraclegs {
 
-/// How many pseudo views are drawn from. The authors draw 10000 in advance, of which a run of as many iterations sees
-/// each at most once.
+/// Number of pseudo views to draw from. The authors draw 10000 in advance; a run of as many iterations sees each at
+/// most once.
 inline constexpr int64_t kPseudoViews = 2000;
 
 /// `count` cameras, each between a random training camera and its nearest one. The center lies uniformly on the segment
@@ -21,7 +21,7 @@ inline constexpr int64_t kPseudoViews = 2000;
 std::vector<Camera> PseudoViewsBetween(const std::vector<Camera>& cameras, int64_t count, uint64_t seed,
                                        double noise = 0.1);
 
-/// One of `views`, of which there is at least one, for an iteration. A pure function of its arguments.
+/// Draws one of `views`, which are not empty, for an iteration. A pure function of its arguments.
 const Camera& DrawPseudoView(const std::vector<Camera>& views, uint64_t seed, int64_t iteration);
 
 }  // namespace oraclegs

@@ -13,14 +13,14 @@ namespace {
 
 constexpr int64_t kModeGrain = 1024;  // Gaussians a task
 
-/// log2 of the falloff of a splat at a place, without the opacity.
+/// log2 of a splat's falloff at a pixel, without its opacity.
 float Log2Falloff(const Splat& splat, float x, float y) {
   const float dx = x - splat.mx, dy = y - splat.my;
   const float p = splat.ax * dx, q = splat.by * (dy + splat.slope * dx);
   return -(p * p + q * q);
 }
 
-/// One pixel: what was blended so far.
+/// Blending state of one pixel.
 struct RayBlend {
   float transmittance = 1, best = 0;
   float weight = 0, weighted_depth = 0, mode_depth = 0;

@@ -38,7 +38,7 @@ bool IsLarge(const ProximityLimits& limits, const Gaussians& gaussians, int64_t 
 
 using Neighbors = std::vector<std::array<NearPoint, 3>>;
 
-/// Empty where no Gaussian can be lonely.
+/// Nearest neighbors of each Gaussian; empty where no Gaussian can exceed the limits.
 Neighbors NeighborsOf(const ProximityLimits& limits, const Gaussians& gaussians) {
   const int64_t n = gaussians.size();
   bool any = false;

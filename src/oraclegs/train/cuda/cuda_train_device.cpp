@@ -21,8 +21,8 @@ namespace oraclegs::cuda {
 namespace {
 
 constexpr size_t kMaxUnchecked = 1024;  // iterations whose loss the host has not asked for
-// How many tiles a Gaussian reaches depends on the scene; trained ones reach about three in the mean, those out of
-// sight counted in.
+// Expected tiles per Gaussian. It depends on the scene; trained models have about three in the mean, invisible
+// Gaussians included.
 constexpr int64_t kPairsAGaussian = 3;
 
 /// Takes the step of each gradient while it is in registers.
@@ -62,7 +62,7 @@ class CudaTrainDevice final : public TrainDevice {
   Rasterizer& rasterizer() override { return *rasterizer_; }
   RenderTimings TimingsSoFar() const override { return {}; }
 
-  /// With room for all Gaussians that there may ever be: no growth copies them.
+  /// Uploads with room for max_gaussians, so that no growth copies them.
   TrainedModel Upload(const TrainedModel& host) override {
     if (host.gaussians.size() > capacity_) {  // a checkpoint of more
       capacity_ = host.gaussians.size();
@@ -171,7 +171,7 @@ class CudaTrainDevice final : public TrainDevice {
   void RestoreExposures(const ExposureState& state) override { loss_.RestoreExposures(state); }
 
  private:
-  /// The views on the device, once it is known that all will have room.
+  /// The views on the device. First checks that all buffers fit.
   DeviceViews ViewsOnDevice() {
     DeviceViews views(plan_);
     TrainingSize size{capacity_, LargestOf(plan_).pixels, views.bytes(), 0, options_.sh_moments};
@@ -194,7 +194,7 @@ class CudaTrainDevice final : public TrainDevice {
     return MeansNoise{iteration.seed, iteration.number, iteration.rates.means}.Constants();
   }
 
-  /// All that goes by Gaussian but the model itself.
+  /// Allocates every per-Gaussian buffer except the model.
   void ReserveForCapacity() {
     regularizer_sums_.ReserveExactly(StepBlocks(capacity_));
     opacity_factors_ = Buffer<float>();

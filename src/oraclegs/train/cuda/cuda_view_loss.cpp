@@ -17,7 +17,7 @@ std::vector<ExposureMap> DownloadMaps(const DeviceArray<float>& from, int views)
   return maps;
 }
 
-/// Queues weight * mean(|rendered - target| * mask) of the planes that `in` names; its gradient goes to `grad`.
+/// Queues weight * mean(|rendered - target| * mask) of the planes in `in`; the gradient goes to `grad`.
 void QueueMaskedL1(MaskedL1Input in, double weight, const Buffer<float>& grad, LossSums* sums) {
   in.pixels = grad.count();
   const double scale = weight / static_cast<double>(in.pixels);

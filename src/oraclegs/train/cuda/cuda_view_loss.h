@@ -1,5 +1,5 @@
 #pragma once
-// The terms of an iteration's loss, evaluated on a GPU: the views lie there, and nothing comes back.
+// The terms of an iteration's loss, evaluated on a GPU without transfers to the host.
 
 #include "oraclegs/core/cuda/device_array.h"
 #include "oraclegs/loss/cuda/photometric.h"
@@ -13,15 +13,16 @@ namespace oraclegs::cuda {
 
 class CudaViewLoss {
  public:
-  /// `views` of the plan, on `device`. All memory that an iteration needs is taken here.
+  /// Takes the plan's `views` on `device` and allocates all memory that an iteration needs.
   CudaViewLoss(const LossPlan& plan, DeviceViews views, Device device);
 
-  /// Queues the loss of the view; adds what it consists of to `sums`. grads as ViewLoss gives them.
+  /// Queues the loss of the view and appends its terms to `sums`. Returns gradients as ViewLoss does.
   RenderGrads operator()(const SampledView& sampled, int64_t iteration, const RenderOutput& out, LossSums* sums);
 
   const DeviceViews& views() const { return views_; }
   ExposureState exposures() const;
-  /// Throws InputError when the state is of another number of photos; does nothing where none are trained.
+  /// Restores trained exposure maps. Throws InputError when the state is of another number of photos; does nothing
+  /// where none are trained.
   void RestoreExposures(const ExposureState& state);
 
  private:

@@ -10,7 +10,7 @@ namespace {
 constexpr ViewKind kKinds[] = {ViewKind::kPhoto, ViewKind::kProposal};
 
 PackedView Pack(const TrainView& view) {
-  // Depth and alpha are compared with to the last bit: bytes would seldom hold them.
+  // Depth and alpha are compared to the last bit; bytes would seldom hold them exactly.
   return {Packed(view.image),      Packed(view.confidence), {view.inv_depth, {}},
           Packed(view.depth_mask), {view.alpha, {}},        {}};
 }

@@ -1,5 +1,5 @@
 #pragma once
-// The views of a run as they lie on a GPU.
+// The views of a run in a GPU's memory.
 
 #include <vector>
 
@@ -10,7 +10,7 @@
 
 namespace oraclegs::cuda {
 
-/// A view's planes, as bytes where those hold them exactly.
+/// A view's planes, as bytes where bytes hold them exactly.
 struct PackedView {
   PackedImage image, confidence, inv_depth, depth_mask, alpha;  ///< as TrainView's
   Buffer<float>
@@ -24,7 +24,7 @@ struct PackedView {
 /// All views of a plan, packed.
 class DeviceViews {
  public:
-  /// On the CPU.
+  /// Packs the plan's views, on the CPU.
   explicit DeviceViews(const LossPlan& plan);
   void MoveTo(Device device);
 
@@ -37,7 +37,7 @@ class DeviceViews {
   std::vector<PackedView> groups_[2];  // by kind
 };
 
-/// The most pixels, and tiles of the photometric loss, that any view has.
+/// Maximum over the views of the pixels and of the tiles of the photometric loss.
 struct LargestView {
   int64_t pixels = 0, tiles = 0;
 };

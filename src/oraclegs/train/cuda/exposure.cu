@@ -40,7 +40,7 @@ __global__ void ExposureBackward(ExposurePixels in) {
   }
 }
 
-/// The inverse of the 3x3 part of a 3x4 matrix by cofactors. Returns the determinant.
+/// Inverts the 3x3 part of a 3x4 matrix by cofactors. Returns the determinant.
 __device__ double Invert(const double* a, double* inverse) {
   const auto at = [a](int row, int column) { return a[4 * (row % 3) + column % 3]; };
   double determinant = 0;
@@ -55,7 +55,7 @@ __device__ double Invert(const double* a, double* inverse) {
   return determinant;
 }
 
-/// (A, b) becomes (A M^-1, b - A M^-1 c) for the mean map (M, c).
+/// Maps (A, b) to (A M^-1, b - A M^-1 c) for the mean map (M, c).
 __device__ void MoveGauge(const double* inverse, const double* mean, float* map) {
   double fixed[kNumbers];
   for (int row = 0; row < 3; ++row) {
@@ -71,7 +71,7 @@ __device__ void MoveGauge(const double* inverse, const double* mean, float* map)
   for (int k = 0; k < kNumbers; ++k) map[k] = static_cast<float>(fixed[k]);
 }
 
-/// One block. Thread k of the first twelve has number k of the photo's map.
+/// Steps one map. Runs in one block; thread k < 12 has entry k of the photo's map.
 __global__ void StepExposures(ExposureStepInput in) {
   __shared__ double shared[kSumWarps], gradient[kNumbers], mean[kNumbers], inverse[9];
   __shared__ bool has_inverse;

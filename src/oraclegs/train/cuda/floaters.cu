@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kBlock = 256;
 
-/// Votes where the view has a say; train/floaters.cpp.
+/// Adds the view's vote where it contributes one (train/floaters.cpp).
 __device__ void Vote(const DepthView& view, const float* mean, FloaterVotes* votes) {
   double point[3];
   for (int row = 0; row < 3; ++row) {

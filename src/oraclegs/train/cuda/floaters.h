@@ -1,5 +1,5 @@
 #pragma once
-// What train/floaters.h prunes, on a GPU.
+// The pruning of train/floaters.h on a GPU.
 
 #include <cuda_runtime.h>
 
@@ -19,17 +19,17 @@ struct DepthView {
   DeviceImage depth_mask;  ///< [H,W]
 };
 
-/// All memory is the device's.
+/// Input of RunPruneFloaters, all in device memory.
 struct FloatersInput {
   GaussianRows params;
   int64_t count = 0;
   const DepthView* views = nullptr;
   int num_views = 0;
   uint8_t* floats = nullptr;  ///< [count] scratch
-  int* counts = nullptr;      ///< [2] receives how many live, and how many of them float
+  int* counts = nullptr;      ///< [2] receives the numbers of living Gaussians and of floaters among them
 };
 
-/// Queues the pruning. Nothing happens when no Gaussian would be left alive.
+/// Queues the pruning. Does nothing when no Gaussian would be left alive.
 void RunPruneFloaters(const FloatersInput& in, cudaStream_t stream);
 
 }  // namespace oraclegs::cuda

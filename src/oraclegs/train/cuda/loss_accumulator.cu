@@ -6,7 +6,7 @@
 namespace oraclegs::cuda {
 namespace {
 
-/// One block.
+/// Adds up the loss, in one block.
 __global__ void AccumulateLoss(LossAccumulatorInput in) {
   __shared__ double shared[kSumWarps];
   const int thread = static_cast<int>(threadIdx.x);

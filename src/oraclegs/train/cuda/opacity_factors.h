@@ -1,5 +1,5 @@
 #pragma once
-// What train/opacity_factors.h draws, drawn on a GPU: the same numbers but for rounding.
+// The draws of train/opacity_factors.h on a GPU; they differ by rounding only.
 
 #include <cuda_runtime.h>
 
@@ -12,10 +12,10 @@ struct OpacityFactorsInput {
   int64_t iteration = 0;
   double drop = 0, noise = 0;
   int64_t count = 0;
-  float* factors = nullptr;  ///< [count], the device's
+  float* factors = nullptr;  ///< [count], in device memory
 };
 
-/// Queues the work.
+/// Queues the draws.
 void RunOpacityFactors(const OpacityFactorsInput& in, cudaStream_t stream);
 
 }  // namespace oraclegs::cuda

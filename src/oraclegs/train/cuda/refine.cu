@@ -10,14 +10,14 @@ namespace {
 constexpr double kWeightUnit = 68719476736.0;  // 2^36: 10^8 opacities of 1 stay below 2^63
 constexpr int kNoSource = -1;
 
-/// Zero for what is not a number, which is never drawn.
+/// Weight of an opacity; 0, which is never drawn, for NaN.
 __device__ uint64_t WeightOf(double opacity) {
   return opacity > 0 ? static_cast<uint64_t>(opacity * kWeightUnit + 0.5) : 0;
 }
 
 __device__ bool IsDead(double opacity) { return !(opacity > static_cast<double>(kDeadOpacity)); }
 
-/// Weights of the living; ranks count the dead.
+/// Weighs the living Gaussians; ranks count the dead.
 __global__ void WeighLiving(RefineInput in) {
   const int64_t i = static_cast<int64_t>(blockIdx.x) * kScanBlock + threadIdx.x;
   if (i >= in.count) return;
@@ -34,7 +34,7 @@ __global__ void WeighAll(RefineInput in) {
   in.scratch.draws[i] = 0;
 }
 
-/// The draw of this number: the first Gaussian whose running sum exceeds the drawn share of the total.
+/// The draw of this number: the first Gaussian whose running sum exceeds the drawn fraction of the total.
 __device__ int DrawSource(const RefineInput& in, RandomStream stream, uint64_t number) {
   const uint64_t counter = static_cast<uint64_t>(in.iteration) << 32 | number;
   const double total = static_cast<double>(in.scratch.weights[in.count - 1]);
@@ -95,7 +95,7 @@ __device__ void CopyRow(const GaussianRows& rows, int64_t from, int64_t to) {
   for (int k = 0; k < kShFloats; ++k) rows.sh[kShFloats * to + k] = rows.sh[kShFloats * from + k];
 }
 
-/// Gives every source that was drawn its new opacity and scale and zero moments.
+/// Gives every drawn source its new opacity and scale, and zero moments.
 __global__ void ShareSources(RefineInput in) {
   const int64_t i = static_cast<int64_t>(blockIdx.x) * kScanBlock + threadIdx.x;
   if (i >= in.count || in.scratch.draws[i] == 0) return;
@@ -108,7 +108,8 @@ __global__ void ShareSources(RefineInput in) {
   ZeroMoments(in.moments, i);
 }
 
-/// Targets are all different and none is a source; a relocated one keeps its moments.
+/// Copies sources to dead Gaussians. Destinations are distinct and none is a source; a relocated Gaussian keeps its
+/// moments.
 __global__ void CopyToDead(RefineInput in) {
   const int64_t i = static_cast<int64_t>(blockIdx.x) * kScanBlock + threadIdx.x;
   if (i < in.count && in.scratch.sources[i] != kNoSource) CopyRow(in.params, in.scratch.sources[i], i);

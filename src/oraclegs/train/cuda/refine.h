@@ -1,6 +1,6 @@
 #pragma once
-// Relocation and growth of 3DGS-MCMC on a GPU (docs/method.md#mcmc-relocation); nothing leaves it. The CPU's:
-// train/mcmc.h. Draws are the CPU's, except where a number falls within 1e-9 of the border between two Gaussians:
+// Relocation and growth of 3DGS-MCMC on a GPU, without transfers (docs/method.md#mcmc-relocation). The CPU's is
+// train/mcmc.h. Draws equal the CPU's, except where a number falls within 1e-9 of the border between two Gaussians:
 // opacities are weighed as whole multiples of 2^-36, so that their running sums are exact and the same in every run.
 
 #include <cuda_runtime.h>
@@ -12,7 +12,7 @@
 
 namespace oraclegs::cuda {
 
-/// Scratch for n Gaussians, the device's.
+/// Scratch for n Gaussians, in device memory.
 struct RefineScratch {
   uint64_t* weights = nullptr;     ///< [n]
   uint64_t* ranks = nullptr;       ///< [n]
@@ -36,12 +36,12 @@ struct RefineInput {
 /// Queues relocation (docs/method.md#mcmc-relocation): dead Gaussians move onto living ones drawn by opacity.
 void RunRelocate(const RefineInput& in, cudaStream_t stream);
 
-/// Queues the first half of step 2: weighs all Gaussians. Afterwards the last of scratch.weights says whether there is
-/// anything to draw from (0: there is not).
+/// Queues the first half of growth: weighs all Gaussians. Afterwards the last of scratch.weights is 0 where there is
+/// nothing to draw from.
 void RunWeigh(const RefineInput& in, cudaStream_t stream);
 
-/// Queues its second half: rows count ... count + added - 1 of params and moments become copies of Gaussians drawn by
-/// opacity, with zero moments. scratch.sources has room for `added` too.
+/// Queues the second half of growth: rows count ... count + added - 1 of params and moments become copies of Gaussians
+/// drawn by opacity, with zero moments. scratch.sources must have room for `added`, too.
 void RunGrow(const RefineInput& in, int64_t added, cudaStream_t stream);
 
 }  // namespace oraclegs::cuda

@@ -1,5 +1,5 @@
 #pragma once
-// train/scale_cap.h on a GPU.
+// The scale cap of train/scale_cap.h on a GPU.
 
 #include <cuda_runtime.h>
 
@@ -9,16 +9,16 @@
 
 namespace oraclegs::cuda {
 
-/// All memory is the device's.
+/// Input of RunCapScales, all in device memory.
 struct ScaleCapInput {
   GaussianRows params;
   int64_t count = 0;
   const float* centers = nullptr;  ///< [num_centers,3], of the photos' cameras
   int num_centers = 0;
-  float log_share = 0;  ///< ln of the largest scale to the distance
+  float log_share = 0;  ///< ln of (largest scale / distance)
 };
 
-/// Queues the capping. Nothing happens without centers.
+/// Queues the cap. Does nothing without centers.
 void RunCapScales(const ScaleCapInput& in, cudaStream_t stream);
 
 }  // namespace oraclegs::cuda

@@ -1,6 +1,6 @@
 #pragma once
-// Running sums of whole numbers. Blocks first, then the blocks' totals, then both together: three launches, once in a
-// hundred iterations. Whole numbers, because then no order of adding changes a bit, and a sum never falls.
+// Running sums of integers: within blocks, over the blocks' totals, then both added. Three launches, once in a hundred
+// iterations. With integers no order of addition changes a bit, and a sum never falls.
 
 #include <cstdint>
 
@@ -12,7 +12,7 @@ inline constexpr int kScanBlock = 256;
 
 inline int64_t ScanBlocks(int64_t count) { return (count + kScanBlock - 1) / kScanBlock; }
 
-/// values -> their running sums, the value itself included.
+/// Replaces `values` by their inclusive running sums.
 struct ScanInput {
   uint64_t* values = nullptr;  ///< [count], the device's
   int64_t count = 0;
@@ -43,7 +43,7 @@ __global__ void ScanWithinBlocks(ScanInput in) {
   if (thread == kScanBlock - 1) in.totals[blockIdx.x] = sum;
 }
 
-/// One block.
+/// Scans the blocks' totals, in one block.
 __global__ void ScanTotals(ScanInput in, int64_t blocks) {
   __shared__ uint64_t shared[kScanBlock];
   __shared__ uint64_t carried;

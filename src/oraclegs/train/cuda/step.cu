@@ -28,12 +28,12 @@ __global__ void SumRegularizers(RegularizerInput in) {
   if (thread == 0) in.sums[blockIdx.x] = {opacity, scale};
 }
 
-/// All but the colors of one Gaussian, or of its gradient or a moment.
+/// All parameters of one Gaussian but its colors; also their gradients or one of their moments.
 struct SmallRow {
   float mean[3], log_scale[3], quat[4], logit;
 };
 
-/// Whole rows at once, so that their loads are under way together.
+/// Loads whole rows at once, so that the loads overlap.
 __device__ SmallRow LoadRow(const GaussianRows& rows, int64_t i) {
   SmallRow row;
   for (int k = 0; k < 3; ++k) row.mean[k] = rows.means[3 * i + k];
@@ -59,7 +59,7 @@ __device__ void MoveMean(const NoiseConstants& noise, int64_t i, SmallRow* row) 
   for (int k = 0; k < 3; ++k) row->mean[k] += e[k];
 }
 
-/// kCount numbers of one learning rate, the first ones of parameters and moments.
+/// kCount numbers with one learning rate: pointers to the first of the parameters and of each moment.
 struct AdamPointers {
   float *p, *m, *v;
 };
@@ -75,13 +75,13 @@ __device__ void StepNumbers(const float* gradient, float rate, float correction2
 struct alignas(16) Four {
   float x[4];
 };
-/// As bfloat16.
+/// Four bfloat16 numbers.
 struct alignas(8) FourHalves {
   uint16_t x[4];
 };
 
-/// Takes the step of each Gaussian. Its colors are moved apart from the rest, four neighboring coefficients at a
-/// time: rows of sh are 192 bytes, hence aligned to 16.
+/// Takes the step of each Gaussian. Colors are stepped apart from the rest, four neighboring coefficients at a time:
+/// rows of sh are 192 bytes, hence aligned to 16.
 struct StepConsumer {
   StepConstants step;
 
@@ -108,7 +108,7 @@ struct StepConsumer {
     StoreRow(p, step.params, i);
   }
 
-  /// Coefficients above the active degree have neither gradient nor moments: they are left alone.
+  /// Steps four coefficients. Those above the active degree have neither gradient nor moments and stay.
   __device__ void ConsumeSh(int64_t i, int first, float4 grad) const {
     if (step.moments.half()) return StepHalfSh(i, first, grad);
     if (step.moments.compact()) return StepCompactSh(i, first, grad);
@@ -127,7 +127,7 @@ struct StepConsumer {
     *to_v = v;
   }
 
-  /// Of the two rates: an index that differs from lane to lane reads the constants once a lane.
+  /// Selects one of the two rates. Indexing by lane would read the constants once a lane.
   __device__ float ShRate(int k) const { return k < kColors ? step.adam.sh[0] : step.adam.sh[kColors]; }
 
   __device__ void StepHalfSh(int64_t i, int first, float4 grad) const {
@@ -151,7 +151,7 @@ struct StepConsumer {
     *to_v = v;
   }
 
-  /// After ConsumeSmall, which moves what all coefficients share.
+  /// Steps four coefficients with compact moments. Runs after ConsumeSmall, which updates the moment that they share.
   __device__ void StepCompactSh(int64_t i, int first, float4 grad) const {
     const int64_t start = i * kShFloats + first;
     Four* to_p = reinterpret_cast<Four*>(step.params.sh + start);

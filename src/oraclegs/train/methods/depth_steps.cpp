@@ -9,7 +9,7 @@
 namespace oraclegs {
 namespace {
 
-/// What of the photos depth steps need.
+/// The photos' cameras and clean depth, without images, confidence and alpha.
 std::vector<TrainView> DepthAlone(const std::vector<TrainView>& photos) {
   CheckViews(photos);
   std::vector<TrainView> views;
@@ -20,14 +20,14 @@ std::vector<TrainView> DepthAlone(const std::vector<TrainView>& photos) {
   return views;
 }
 
-/// Shares all but the opacities.
+/// The Gaussians with hard opacities; shares the other buffers.
 Gaussians WithHardOpacity(const Gaussians& gaussians) {
   Gaussians hard = gaussians;
   hard.opacity_logits = Buffer<float>::Full({gaussians.size()}, static_cast<float>(LogitOf(kHardOpacity)));
   return hard;
 }
 
-/// loss += the weighted loss of one normalization, grad += its gradient.
+/// Adds the weighted loss of one normalization to `loss` and its gradient to `grad`.
 double AddDepthLoss(const DepthImages& images, const NormalizedDepthOptions& options, double weight,
                     const Buffer<float>& grad) {
   Buffer<float> more = Buffer<float>::Empty(grad.shape());
@@ -54,7 +54,7 @@ bool DepthSteps::IsDue(const Iteration& iteration) const {
 
 const Gaussians& DepthSteps::Gradient(const Gaussians& gaussians, const TrainView& photo, const Iteration& iteration,
                                       uint64_t patch_seed) {
-  // Colors are not looked at: degree 0 is the cheapest.
+  // Colors are unused: degree 0 is the cheapest.
   const RenderOptions render{{0, 0, 0}, 0, options_.antialiased};
   const RenderOutput out = rasterizer_->Forward(gaussians, photo.camera, render, RenderPass::kTrain);
   grad_inv_depth_ = Buffer<float>::Zeros(out.inv_depth.shape());

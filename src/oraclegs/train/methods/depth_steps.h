@@ -2,9 +2,9 @@
 // Hard and soft depth of DNGaussian [Li 2024] (section 3.2): depth moves positions and opacities, each in a step of its
 // own, and nothing else. Order and constants are those of the authors' program.
 //
-// What is compared are inverse depths, rendered and of the photo. A network's depth is an inverse depth up to a factor
-// and an offset, which the normalization of the loss takes away (loss/normalized_depth.h); DNGaussian renders a depth
-// and turns the network's round. Not here: its learning rate of positions, which begins to fall late, and its colors
+// The loss compares inverse depths, rendered and of the photo. A network's depth is an inverse depth up to a factor and
+// an offset, which the normalization of the loss removes (loss/normalized_depth.h); DNGaussian renders a depth and
+// inverts the network's. Not implemented: its learning rate of positions, which begins to fall late, and its colors
 // from a grid of features and a network.
 
 #include <memory>
@@ -14,23 +14,22 @@
 
 namespace oraclegs {
 
-inline constexpr double kHardOpacity = 0.95;  ///< of all Gaussians in the render of hard depth
-/// Added to the run's seed: soft depth draws sides of patches other than those of hard depth.
+inline constexpr double kHardOpacity = 0.95;  ///< opacity of all Gaussians in the render of hard depth
+/// Added to the run's seed, so that soft depth draws other patch sizes than hard depth.
 inline constexpr uint64_t kSoftPatchSeed = 0xD1B54A32D192ED03;
 
-/// Before the view of every --depth-step-every-th iteration that takes a photo of known depth, while densification
+/// Runs before the view of every --depth-step-every-th iteration that takes a photo of known depth, while densification
 /// lasts and never in the last iteration:
 /// - --hard-depth: a render in which all Gaussians have kHardOpacity; a step of the positions alone;
-/// - after iteration --soft-depth-start: a render as always; a step of the opacities alone.
-/// The loss is kLocalDepthWeight times the local and kGlobalDepthWeight times the global NormalizedDepthLoss, of
-/// patches whose sides are drawn anew each time. Learning rates are the iteration's. Keeps nothing from one iteration
-/// to the next.
+/// - after iteration --soft-depth-start: an ordinary render; a step of the opacities alone.
+/// The loss is kLocalDepthWeight times the local plus kGlobalDepthWeight times the global NormalizedDepthLoss, over
+/// patches whose sizes are drawn anew each time. Learning rates are the iteration's. Has no state between iterations.
 class DepthSteps final : public MethodPart {
  public:
-  /// Throws UsageError where no photo has depth, and what CheckViews throws.
+  /// Takes the photos with depth. Throws UsageError where there are none, and the errors of CheckViews.
   explicit DepthSteps(const TrainSetup& setup);
 
-  /// Adds nothing to the gradients of the view, returns 0. Throws Diverged where the depth loss is not finite.
+  /// Steps the model. Adds nothing to `grads` and returns 0. Throws Diverged where the depth loss is not finite.
   double BeforeView(const Iteration& iteration, TrainedModel* model, Gaussians* grads) override;
   bool AddsGradients() const override { return false; }
 

@@ -4,12 +4,11 @@
 
 namespace oraclegs {
 
-/// Throws UsageError where options of methods contradict each other, the way of densification or --iterations, and
-/// something would be ignored without a word.
+/// Throws UsageError where options of methods contradict each other, --densify or --iterations, so that none is ignored
+/// silently.
 void CheckMethodOptions(const TrainOptions& options);
 
-/// The parts of other methods that the options ask for, for a training of this setup. Throws as CheckMethodOptions, and
-/// what the parts throw when they are made.
+/// Makes the parts that the options ask for. Throws as CheckMethodOptions and as the parts' constructors.
 MethodParts MakeMethodParts(const TrainSetup& setup);
 
 }  // namespace oraclegs

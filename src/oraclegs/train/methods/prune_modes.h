@@ -1,5 +1,5 @@
 #pragma once
-// When the floaters of SparseGS [Xiong 2023] (train/baselines/mode_floaters.h) are removed.
+// The schedule of SparseGS floater pruning [Xiong 2023] (train/baselines/mode_floaters.h).
 
 #include <vector>
 
@@ -8,16 +8,15 @@
 
 namespace oraclegs {
 
-/// What is removed gets this opacity logit: below what any render shows, so that no gradient ever reaches it again.
+/// Opacity logit of removed Gaussians: below what any render shows, so that no gradient reaches them again.
 inline constexpr float kRemovedLogit = -20;
 
-/// Before the view of iteration --prune-modes-at: what FindModeFloaters finds with the cameras of the photos gets
-/// kRemovedLogit and opacity moments of 0. The next refinement removes it with --densify adaptive and moves it
-/// elsewhere with --densify mcmc; where there is none, as in the published schedule, it stays in the model and is
-/// invisible.
+/// Runs before the view of iteration --prune-modes-at: Gaussians that FindModeFloaters finds from the photos' cameras
+/// get kRemovedLogit and opacity moments of 0. The next refinement removes them with --densify adaptive and relocates
+/// them with --densify mcmc; without one, as in the published schedule, they stay in the model and are invisible.
 class PruneModes final : public MethodPart {
  public:
-  /// Throws UsageError where training ends before that iteration.
+  /// Throws UsageError where training ends before --prune-modes-at.
   explicit PruneModes(const TrainSetup& setup);
 
   /// Adds no gradient, returns 0.

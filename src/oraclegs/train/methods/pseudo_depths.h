@@ -1,7 +1,7 @@
 #pragma once
-// Depth of pseudo views, of FSGS [Zhu 2024] (section 3.3): renders from places between the photos should have the depth
-// that a network sees in them. Order and constants are those of the authors' program, but for the views
-// (train/baselines/pseudo_views.h) and what is compared: inverse depths (loss/pearson_depth.h).
+// Pseudo-view depth of FSGS [Zhu 2024] (section 3.3): renders from places between the photos should have the depth that
+// a network sees in them. Order and constants are those of the authors' program, except for the views
+// (train/baselines/pseudo_views.h) and for comparing inverse depths (loss/pearson_depth.h).
 
 #include <memory>
 #include <vector>
@@ -13,13 +13,13 @@ namespace oraclegs {
 
 /// Iterations over which the weight grows from 0 to --pseudo-depth-weight.
 inline constexpr int kPseudoDepthRamp = 500;
-/// The last iteration that looks at a pseudo view, as a share of the run's: 9500 of 10000.
+/// The last iteration that uses a pseudo view, as a fraction of the run's: 9500 of 10000.
 inline constexpr double kPseudoDepthEnd = 0.95;
 
-/// In every --pseudo-depth-every-th iteration after --pseudo-depth-start: the gradient of
-/// weight * min(1, (iteration - start) / kPseudoDepthRamp) * (1 - r), r the correlation of the rendered depth and that
-/// of TrainSetup::pseudo_depth. Where that depth follows from the render, as a network's does, colors are moved too.
-/// Keeps nothing from one iteration to the next.
+/// Runs in every --pseudo-depth-every-th iteration after --pseudo-depth-start. Adds the gradient of weight * min(1,
+/// (iteration - start) / kPseudoDepthRamp) * (1 - r), where r is the correlation of the rendered depth with that of
+/// TrainSetup::pseudo_depth. Where that depth depends on the render, as a network's does, colors get a gradient, too.
+/// Has no state between iterations.
 class PseudoDepths final : public MethodPart {
  public:
   /// Throws UsageError where the setup has no pseudo depth.

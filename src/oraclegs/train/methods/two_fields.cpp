@@ -35,7 +35,7 @@ struct TwoFields::State {
     ImageBuffer gradient;
     Gaussians grads;
 
-    /// Pulls `out`, the last render of `gaussians`, towards the target; fills grads.
+    /// Returns the loss between `out`, the last render of `gaussians`, and the target; writes its gradient to `grads`.
     double Pull(const Gaussians& gaussians, const RenderOutput& out, const Buffer<float>& target,
                 const PhotometricWeights& weights) {
       RenderGrads upstream{gradient.Get(out.image.shape()), {}, {}};
@@ -46,7 +46,7 @@ struct TwoFields::State {
     }
   };
 
-  /// Of the second model: gradients that the first one's part has found.
+  /// Part of the second model's trainer: adds the gradients that TwoFields found for it.
   class SecondPart final : public MethodPart {
    public:
     double BeforeView(const Iteration&, TrainedModel*, Gaussians* grads) override {
@@ -88,7 +88,8 @@ struct TwoFields::State {
   Field one, two;
 };
 
-/// Both models' gradients of how far their renders from a pseudo view differ, each taking the other's as given.
+/// Adds to each model the gradient of the difference between both renders of a pseudo view, with the other render held
+/// constant.
 double TwoFields::State::Agree(const Iteration& iteration, const TrainedModel& model, Gaussians* grads) {
   const Camera& camera = DrawPseudoView(views, seed, iteration.number);
   const RenderOptions render{random_background ? RandomBackground(view_seed, iteration.number) : background,
@@ -109,8 +110,8 @@ TwoFields::TwoFields(const TrainSetup& first) : state_(std::make_unique<State>(f
 
 TwoFields::~TwoFields() = default;
 
-/// After every kCoPruneInterval-th iteration once densification has begun: of both models what the other has not. Both
-/// are compared before either loses anything. A model that would lose everything keeps it.
+/// Co-prunes both models after every kCoPruneInterval-th iteration once densification has begun. The masks of both are
+/// found before either loses Gaussians. A model that would lose all its Gaussians keeps them.
 void TwoFields::Remove(const Iteration& iteration, TrainedModel* model) {
   State& s = *state_;
   const int64_t done = iteration.number - 1;

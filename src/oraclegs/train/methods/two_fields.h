@@ -9,12 +9,12 @@
 
 namespace oraclegs {
 
-/// The part that trains the second model beside the first one, whose setup this is: same photos in the same order
-/// before the same backgrounds, same start, other random numbers. The second model makes its steps in BeforeView of the
-/// first one's.
+/// Part that trains the second model beside the first one, whose setup this is: the same start, photos in the same
+/// order before the same backgrounds, other random numbers. The second model steps in BeforeView of the first one's
+/// part.
 class TwoFields final : public MethodPart {
  public:
-  /// Throws what the Trainer throws.
+  /// Makes the second trainer. Throws as Trainer.
   explicit TwoFields(const TrainSetup& first);
   ~TwoFields() override;
 

@@ -25,7 +25,7 @@ double ConfidenceAt(const TrainView& photo, int64_t pixel) {
   return photo.confidence.defined() ? static_cast<double>(photo.confidence[pixel]) : 1;
 }
 
-/// What the weights are multiplied by so that their mean is 1.
+/// Factor that makes the mean of the weights 1.
 double UnitOf(const std::vector<TrainView>& photos, const std::vector<CovisibilityView>& views,
               const std::vector<Buffer<float>>& weights) {
   double before = 0, after = 0;
