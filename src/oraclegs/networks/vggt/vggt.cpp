@@ -17,7 +17,7 @@ const Head& Loaded(const std::optional<Head>& head, const char* name) {
   return *head;
 }
 
-/// [S, outputs, H, W]
+/// Output of a dense head, [S, outputs, H, W].
 Tensor DenseOutput(const Vggt& vggt, const DptHead& head, const AggregatorResult& aggregated, const PatchGrid& grid) {
   std::array<Tensor, 4> layers;
   for (size_t i = 0; i < 4; ++i) {
