@@ -51,7 +51,7 @@ constexpr Row kRows[] = {
     {"depth",
      [](const json& r) {
        std::string points = Counted(Count(r, "points"), "dense point");
-       if (!r.contains("confident_share")) return points;  // written by an earlier version
+       if (!r.contains("confident_share")) return points;  // from an early version
        return fmt::format("confident on {:.0f} % of the pixels, {}", 100 * r.value("confident_share", 0.0), points);
      }},
     {"proxies", [](const json& r) { return Counted(Count(r, "models"), "proxy model"); }},
