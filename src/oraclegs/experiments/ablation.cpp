@@ -29,7 +29,7 @@ using nlohmann::json;
 constexpr char kRows[] = "rows", kJson[] = "ablation.json", kMarkdown[] = "ablation.md";
 constexpr std::string_view kLpipsRow = "lpips";
 
-/// Options of a row that another has not.
+/// Options whose values differ from those of the row before.
 json Changes(const json& before, const json& now) {
   json changes = json::object();
   for (const auto& [name, value] : now.items()) {
@@ -101,7 +101,7 @@ class Ablator {
         ablation_.notes.push_back(
             fmt::format("There is no row for LPIPS: without weights for it, its share of a proposal's loss is L1; {}.",
                         HowToFetch(kLpipsModel)));
-        before = ShapingOptionsToJson(RowOptions(row, asked));  // no change of the row below
+        before = ShapingOptionsToJson(RowOptions(row, asked));  // the next row compares with this one
         continue;
       }
       const json now = ShapingOptionsToJson(RowOptions(row, asked));
@@ -120,12 +120,13 @@ class Ablator {
     seconds_.resize(rows_.size());
   }
 
-  /// Relative to the ablation's folder.
+  /// Path relative to the ablation's folder.
   std::string Folder(size_t r, uint64_t seed) const {
     return fmt::format("{}/{:02}-{}/seed-{}", kRows, ablation_.rows[r].number, ablation_.rows[r].name, seed);
   }
 
-  /// Whose stages the next run may use, the likeliest first: the row above of the same seed, then the others.
+  /// Workspaces whose stages the next run may copy, the likeliest first: the row above of the same seed, then the
+  /// others.
   std::vector<fs::path> Donors(size_t r, uint64_t seed, bool other_seeds) const {
     std::vector<std::string> folders;
     const auto add = [&](uint64_t of) {
@@ -140,7 +141,7 @@ class Ablator {
     }
     std::vector<fs::path> donors;
     for (const std::string& folder : folders) {
-      // What --overwrite asks to be made anew is no source.
+      // --overwrite asks for new results: workspaces of earlier calls are no donors.
       if (request_.run.overwrite && finished_.count(folder) == 0) continue;
       if (IsWorkspace(request_.run.out / folder)) donors.push_back(request_.run.out / folder);
     }
@@ -167,7 +168,7 @@ class Ablator {
 
   oraclegs::Run Start(size_t r, uint64_t seed, const Listener& listener) {
     RunRequest request = RequestOf(r, seed);
-    // The first one of all may find that the scene cannot be read, before a folder is made.
+    // The first run may find that the scene cannot be read; no folder is made before it knows.
     std::error_code none;
     if (scene_is_good_ || fs::exists(request_.run.out / kJson, none)) {
       Workspace workspace = Workspace::Claim(request.out, request.scene, request.options, request.overwrite,
@@ -182,12 +183,13 @@ class Ablator {
       ablation_.width = camera.width, ablation_.height = camera.height;
       ablation_.train_views = run.split.train.size(), ablation_.test_views = run.split.test.size();
       scene_is_good_ = true;
-      if (!fs::exists(request_.run.out / kJson, none)) Write();  // what an earlier call measured stands until more is
+      if (!fs::exists(request_.run.out / kJson, none))
+        Write();  // results of an earlier call stand until there are new ones
     }
     return run;
   }
 
-  /// The report says once what of it was made with networks that must not be used for everything.
+  /// Notes once which parts of the results were made with networks whose licenses exclude commercial use.
   void NoteLicense(const json& metrics) {
     for (const std::string& part : metrics.value("non_commercial", std::vector<std::string>())) {
       std::string note = fmt::format("Not for commercial use: rows were made with {}.", part);
@@ -209,11 +211,11 @@ class Ablator {
       result = Scored(std::move(result), metrics);
       NoteLicense(metrics);
       scored_ = true;
-      std::error_code ignored;  // gigabytes, and of no more use
+      std::error_code ignored;  // gigabytes that nothing reads any more
       fs::remove_all(run.workspace.checkpoints(), ignored);
     } catch (const Interrupted&) {
       throw;
-    } catch (const std::exception& failure) {  // also out of memory, in whatever library
+    } catch (const std::exception& failure) {  // also out of memory, in any library
       result.failure = failure.what();
       result.failure.resize(std::min(result.failure.size(), result.failure.find('\n')));  // libtorch adds a backtrace
       if (!first_failure_) first_failure_ = std::current_exception();
@@ -258,8 +260,8 @@ class Ablator {
   const Listener& listener_;
   SeriesListener events_;
   Ablation ablation_;
-  std::vector<size_t> rows_;     ///< of AblationRows(), those in the table
-  std::vector<double> seconds_;  ///< that a run of each took, 0 = not known
+  std::vector<size_t> rows_;     ///< indices into AblationRows() of the rows in the table
+  std::vector<double> seconds_;  ///< duration of the last run of each row; 0 = not known
   std::set<std::string> finished_;
   std::exception_ptr first_failure_;
   bool scene_is_good_ = false, scored_ = false;

@@ -1,5 +1,5 @@
 #pragma once
-// One scene trained several times, each time with one part of the program more.
+// Trains one scene several times, each time with one more part of the program.
 
 #include <string>
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace oraclegs {
 
-/// What is compared.
+/// Choice of the comparison.
 enum class AblationSuite { kParts, kTampering };
 template <>
 struct EnumWords<AblationSuite> {
@@ -46,22 +46,22 @@ struct AblateOptions {
 };
 
 struct AblationRequest {
-  RunRequest run;  ///< its options are those of every row, but for what rows are about
+  RunRequest run;  ///< its options hold for every row, except those that rows are about
   AblateOptions options;
-  std::string command;  ///< as it was typed, for the report
+  std::string command;  ///< as typed, for the report
 };
 
-/// Trains the rows of ablation_rows.h seed after seed, each in a workspace of its own, out/rows/NN-NAME/seed-S; those
-/// of one scene share structure from motion, depth and proposals where their options allow. Writes out/ablation.json
-/// and out/ablation.md anew after each run (options.also is RunSuite's, ablation_suite.h); given again, it goes on
-/// where it was stopped. Tells "row 4 of 10 ..." and the time that is left. A row that fails is a warning and the
-/// others go on, but the first failure is thrown when nothing was scored at all. Throws UsageError for contradicting
-/// options or another suite, InputError when the scene cannot be read, the row of LPIPS is asked for and its weights
-/// are not there, or `out` holds something else, Interrupted.
+/// Trains the rows of ablation_rows.h seed after seed, each in a workspace of its own, out/rows/NN-NAME/seed-S. Runs of
+/// one scene share structure from motion, depth and proposals where their options allow. Rewrites out/ablation.json and
+/// out/ablation.md after each run; a second call continues where the first was stopped. options.also is ignored, see
+/// RunSuite (ablation_suite.h). Reports "row 4 of 10 ..." and the time left. A row that fails is a warning and the
+/// others go on; the first failure is thrown when nothing was scored at all. Throws UsageError for contradicting
+/// options or another suite; InputError when the scene cannot be read, when the row of LPIPS is asked for without its
+/// weights, or when `out` holds something else; Interrupted.
 Ablation RunAblation(const AblationRequest& request, const Listener& listener);
 
-/// How long `left` runs, by their row, will take, where those of row r took known[r] seconds (0 = not known: as long as
-/// the mean of the others). 0 when nothing is known.
+/// Seconds that the runs `left` (given by their rows) will take, when a run of row r took known[r] seconds. 0 = not
+/// known: the mean of the known ones is assumed. Returns 0 when nothing is known.
 double SecondsLeft(const std::vector<double>& known, const std::vector<size_t>& left);
 
 }  // namespace oraclegs

@@ -20,7 +20,7 @@ std::optional<double> Lpips(const AblationRun& run) { return run.lpips; }
 std::optional<double> Corrected(const AblationRun& run) { return run.psnr_color_corrected; }
 std::optional<double> Seconds(const AblationRun& run) { return run.training_seconds; }
 
-/// Over the runs that were scored.
+/// Statistics over the scored runs.
 std::optional<Spread> SpreadOver(const AblationResult& row, Value value) {
   std::vector<double> values;
   for (const AblationRun& run : row.runs) {
@@ -45,12 +45,12 @@ std::string Shown(const std::optional<Spread>& spread, int decimals, bool sign =
   return text;
 }
 
-/// What the table says of a row in place of scores.
+/// Text of a row in place of scores.
 std::string WithoutScores(const AblationResult& row) {
   return row.runs.empty() ? "not run yet" : "failed: " + row.runs.front().failure;
 }
 
-/// The cells of a row that has scores.
+/// Cells of a row that has scores.
 std::vector<std::string> Cells(const Ablation& ablation, size_t r) {
   const AblationResult& row = ablation.rows[r];
   const std::optional<Gain> gain = GainOf(ablation, r);
@@ -60,7 +60,7 @@ std::vector<std::string> Cells(const Ablation& ablation, size_t r) {
           gain ? Shown(gain->psnr, 2, true) : kNone, FormatSeconds(seconds->mean)};
 }
 
-/// Failures of rows that have scores of other seeds; "" without any.
+/// Failures of rows that have scores of other seeds; empty without any.
 std::vector<std::string> PartialFailures(const Ablation& ablation) {
   std::vector<std::string> lines;
   for (const AblationResult& row : ablation.rows) {
@@ -83,14 +83,14 @@ std::string Protocol(const Ablation& a) {
                      a.seeds.size() == 1 ? "" : "s", fmt::join(a.seeds, ", "));
 }
 
-/// "--init sfm", as it would be typed.
+/// "--init sfm", as it is typed.
 std::string Typed(const std::string& name, const json& value) {
   if (value.is_boolean()) return fmt::format("--{}{}", value.get<bool>() ? "" : "no-", name);
   const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
   return text.empty() ? fmt::format("no --{}", name) : fmt::format("--{} {}", name, text);
 }
 
-/// A text that stays within its cell and is no markup.
+/// Escapes text so that it stays within its cell and is no markup.
 std::string InCell(const std::string& text) {
   std::string cell;
   for (const char c : text) {

@@ -1,5 +1,5 @@
 #pragma once
-// What an ablation measured: its statistics, and the same as text, JSON and Markdown.
+// Results of an ablation: statistics, and reports as text, JSON and Markdown.
 
 #include <cstdint>
 #include <nlohmann/json.hpp>
@@ -14,23 +14,23 @@ struct AblationRun {
   uint64_t seed = 0;
   std::string workspace;                                   ///< relative to the ablation's folder
   std::string failure;                                     ///< why there are no scores; "" = there are
-  std::optional<double> psnr, ssim, psnr_color_corrected;  ///< none without test pixels; dB
-  std::optional<double> lpips;                             ///< none without its weights either
+  std::optional<double> psnr, ssim, psnr_color_corrected;  ///< nullopt without test pixels; PSNR in dB
+  std::optional<double> lpips;                             ///< nullopt without test pixels or weights
   double training_seconds = 0;
   int64_t gaussians = 0;
-  std::string start;  ///< of what points
+  std::string start;  ///< source of the initial points
 };
 
 struct AblationResult {
   size_t number = 0;  ///< from 1
   std::string name, label, explanation;
-  nlohmann::json changes = nlohmann::json::object();  ///< {option: value} that the row above in this table had not
-  std::vector<AblationRun> runs;                      ///< those that ended, in any order
+  nlohmann::json changes = nlohmann::json::object();  ///< {option: value} that differ from the row above in this table
+  std::vector<AblationRun> runs;                      ///< runs that ended, in any order
 };
 
 struct Ablation {
   std::string scene, command, version;
-  std::vector<std::string> scenes = {};  ///< of a mean over several; then there are no numbers of views and pixels
+  std::vector<std::string> scenes = {};  ///< scenes of a mean over several; views and pixels are then 0
   size_t train_views = 0, test_views = 0;
   int width = 0, height = 0;  ///< pixels of a training view
   int iterations = 0, max_gaussians = 0;
@@ -42,26 +42,26 @@ struct Ablation {
 struct Spread {
   size_t count = 0;
   double mean = 0;
-  std::optional<double> deviation;  ///< of the sample; none of one value
+  std::optional<double> deviation;  ///< standard deviation of the sample; nullopt for one value
 };
 
-/// None of no values.
+/// Mean and deviation of values; nullopt for an empty list.
 std::optional<Spread> SpreadOf(const std::vector<double>& values);
 
-/// PSNR of a row minus that of the nearest row above it that has scores, seed by seed. None where no seed has both.
+/// PSNR of a row minus that of the nearest row above it that has scores, seed by seed; nullopt where no seed has both.
 struct Gain {
   size_t over = 0;  ///< index of the row above
   Spread psnr;
 };
 std::optional<Gain> GainOf(const Ablation& ablation, size_t row);
 
-/// Everything, each seed. Spreads are {"mean", "deviation", "count"}; what there is none of is null.
+/// JSON with every row and seed. Spreads are {"mean", "deviation", "count"}; missing values are null.
 nlohmann::json AblationToJson(const Ablation& ablation);
 
-/// A table with a line for each row and each failure.
+/// Table with a line for each row and each failure.
 std::string AblationText(const Ablation& ablation);
 
-/// A document with a heading, the table, what each row adds, and the notes.
+/// Document with a heading, the table, the gain of each row, and the notes.
 std::string AblationMarkdown(const Ablation& ablation);
 
 }  // namespace oraclegs

@@ -22,7 +22,7 @@ size_t RowOf(const std::string& word) {
   throw UsageError("--rows names '{}'; there are {}", word, RowList());
 }
 
-/// What proposes before the row of proxy models, which are no part of the paper.
+/// Proposer of the rows before that of proxy models, which the paper does not have.
 ProposerChoice PaperProposer(const ProposeOptions& asked) {
   switch (asked.Choice()) {
     case ProposerChoice::kSplat:
@@ -49,7 +49,7 @@ const std::vector<AblationRow>& AblationRows() {
          o->propose.proposers = ProposerChoice::kNone, o->propose.proposal_folder.clear();
          o->propose.generator.clear();
          o->train.schedule = ScheduleKind::kUnion, o->validate.oracle = OracleKind::kUniform;
-         // Where everything is trusted alike there is nothing to calibrate, and no row of it.
+         // An oracle that trusts all pixels alike has nothing to calibrate, and no row adds calibration.
          if (asked.validate.oracle != OracleKind::kUniform) o->validate.calibrate = false;
          o->train.depth_weight = 0, o->train.prune_floaters = false;
          o->train.largest_scale = 0, o->train.alpha_weight = 0;

@@ -1,6 +1,5 @@
 #pragma once
-// What an ablation adds, part by part: the rows of Table 3 of the OracleGS paper in its order, then what this program
-// has beyond it.
+// Rows of an ablation: those of Table 3 of the OracleGS paper in its order, then the parts that only this program has.
 
 #include <string>
 #include <vector>
@@ -9,26 +8,26 @@
 
 namespace oraclegs {
 
-/// One part of the program. Each row trains with what the rows above it switched on.
+/// One part of the program. Each row trains with everything that the rows above it switched on.
 struct AblationRow {
   const char* name;         ///< for --rows and folders
   const char* label;        ///< for tables
-  const char* explanation;  ///< what it adds, in one sentence
-  /// Changes the options of the row above. Values come from `asked`, the options the whole ablation was asked for, so
-  /// that the last row is what `reconstruct` makes of them.
+  const char* explanation;  ///< the part that it adds, in one sentence
+  /// Changes the options of the row above. Values come from `asked`, the options that the whole ablation was asked for,
+  /// so that the last row has the result of `reconstruct`.
   void (*apply)(const RunOptions& asked, RunOptions* options);
 };
 
 const std::vector<AblationRow>& AblationRows();
 
-/// Options of a row, an index of AblationRows(). Those of the last row are `asked`.
+/// Options of a row, an index of AblationRows(). The last row has `asked`.
 RunOptions RowOptions(size_t row, const RunOptions& asked);
 
-/// The rows that --rows names by number (from 1) or name, separated by commas, in the order of the table; all of them
-/// for "". Throws UsageError that lists the rows.
+/// Rows that --rows names by number (from 1) or name, separated by commas, in the order of the table; all of them for
+/// "". Throws UsageError that lists the rows.
 std::vector<size_t> ChooseRows(const std::string& words);
 
-/// Throws UsageError when `asked` lacks what several rows are about: proposals, and a start of the rows' choice.
+/// Throws UsageError when `asked` has no proposals or fixes the start, on which several rows depend.
 void RequireAblatable(const RunOptions& asked);
 
 }  // namespace oraclegs

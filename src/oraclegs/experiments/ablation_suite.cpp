@@ -33,7 +33,7 @@ const AblationResult* RowOf(const Ablation& ablation, const std::string& name) {
   return found == ablation.rows.end() ? nullptr : &*found;
 }
 
-/// Nothing where one of them has nothing.
+/// Mean of a value; nullopt where a run has none.
 std::optional<double> MeanOf(const std::vector<const AblationRun*>& runs, std::optional<double> AblationRun::*value) {
   double sum = 0;
   for (const AblationRun* run : runs) {
@@ -109,7 +109,7 @@ Ablation RunSuite(const AblationRequest& request, const Listener& listener) {
   std::vector<std::string_view> content = {kSuiteJson, kSuiteMarkdown};
   content.insert(content.end(), names.begin(), names.end());
   RequireSeriesFolder(out, {"ablation of these scenes", kSuiteJson, content});
-  // What cannot be read is an error now, not after hours of training the scenes before it.
+  // A scene that cannot be read is an error now, not after hours of training the scenes before it.
   for (const fs::path& scene : scenes) {
     RequireOutsideScene(out, scene);
     const Scene read = ReadScene(scene, {}, Silent());

@@ -1,16 +1,18 @@
 #pragma once
-// The same ablation of several scenes, and the mean over them.
+// Ablations of several scenes, and their mean.
 
 #include "oraclegs/experiments/ablation.h"
 
 namespace oraclegs {
 
-/// Of each row and seed the mean over scenes, so that deviations are those of the mean between seeds. A row stands in
-/// it that all scenes have; a seed that failed in one scene failed. Notes are those of all. `scenes` is not empty.
+/// Mean over scenes for each row and seed, so that deviations are those of the mean between seeds. It has the rows that
+/// all scenes have; a seed that failed in one scene counts as failed. Notes are those of all scenes. `scenes` must not
+/// be empty.
 Ablation MeanOver(const std::vector<Ablation>& scenes);
 
-/// RunAblation of request.run.scene and of options.also, each in out/NAME after its folder, and the mean in
-/// out/ablation.json and out/ablation.md, written anew after each scene. Throws as RunAblation does, and UsageError
+/// Runs RunAblation for request.run.scene and each of options.also in out/NAME, named after its folder. Rewrites the
+/// mean, out/ablation.json and out/ablation.md, after each scene. Throws as RunAblation does, and UsageError when two
+/// scenes have one name.
 /// when two scenes have one name.
 Ablation RunSuite(const AblationRequest& request, const Listener& listener);
 

@@ -7,21 +7,21 @@
 
 namespace oraclegs {
 
-/// What is known of one proposal's pixels.
+/// Confidence of one proposal's pixels, and the truth about them.
 struct CheckedPixels {
   PixelMask confidence;  ///< [0, 255]
   PixelMask tampered;
-  PixelMask unseen;  ///< at most one photo sees it
+  PixelMask unseen;  ///< 255 where at most one photo sees the pixel
   PixelKinds kinds;
 };
 
-/// What a confidence says of pixels that are known to be tampered with, over all proposals together.
+/// Compares confidences with the tampered pixels, over all proposals together.
 class ConfidenceCheck {
  public:
   /// Throws ShapeError unless all are of one size.
   void Add(const CheckedPixels& proposal);
 
-  /// The numbers of the pixels; seed, share and lies are not set.
+  /// Figures over the pixels; seed, share and lies are not set.
   TamperedConfidence Result() const;
 
  private:

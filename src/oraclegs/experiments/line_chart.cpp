@@ -10,9 +10,9 @@ namespace oraclegs {
 namespace {
 
 constexpr double kWidth = 640, kHeight = 400, kLeft = 64, kTop = 20, kBottom = 52;
-constexpr double kMinRight = 96;    // for the names of the lines
-constexpr double kLetter = 7;       // width of one, pixels
-constexpr double kNameHeight = 14;  // of names, which must not overlap
+constexpr double kMinRight = 96;    // room for the names of the lines
+constexpr double kLetter = 7;       // width of a letter, pixels
+constexpr double kNameHeight = 14;  // distance of names that do not overlap, pixels
 
 std::string Escaped(const std::string& text) {
   std::string escaped;

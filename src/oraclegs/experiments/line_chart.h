@@ -1,5 +1,5 @@
 #pragma once
-// A chart of lines as an SVG image.
+// Line charts as SVG images.
 
 #include <string>
 #include <vector>
@@ -11,7 +11,7 @@ struct ChartPoint {
 };
 
 struct ChartLine {
-  std::string name;  ///< stands at its end
+  std::string name;  ///< shown at its end
   std::string color;
   std::vector<ChartPoint> points;  ///< from left to right
 };
@@ -23,16 +23,16 @@ struct ChartTick {
 
 struct LineChart {
   std::string x_title, y_title;
-  std::vector<ChartTick> ticks = {};  ///< of the x axis
-  double x_low = 0, x_high = 1;       ///< its ends
-  bool log_x = false;                 ///< x_low must be above 0 then
-  std::vector<ChartLine> lines = {};  ///< those without points are left out
+  std::vector<ChartTick> ticks = {};  ///< ticks of the x axis
+  double x_low = 0, x_high = 1;       ///< ends of the x axis
+  bool log_x = false;                 ///< requires x_low > 0
+  std::vector<ChartLine> lines = {};  ///< lines without points are left out
 };
 
-/// The y axis goes from a whole number to a whole number, at least one apart.
+/// SVG of a chart. The y axis goes from a whole number to a whole number, at least one apart.
 std::string ChartSvg(const LineChart& chart);
 
-/// Colors that differ for most eyes, for the lines of a chart in turn.
+/// Color of a line by its index. Neighbors differ for most eyes.
 std::string ChartColor(size_t line);
 
 }  // namespace oraclegs

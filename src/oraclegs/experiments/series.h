@@ -1,5 +1,5 @@
 #pragma once
-// What all series of runs need: a folder that is theirs, and events without what every run reports alike.
+// Helpers of all series of runs: a folder that is theirs, and events without repetition.
 
 #include <filesystem>
 #include <set>
@@ -11,11 +11,11 @@
 
 namespace oraclegs {
 
-/// What a series writes to its folder.
+/// Files that a series writes to its folder.
 struct SeriesFiles {
   const char* what;                     ///< "ablation"
   const char* report;                   ///< its JSON file
-  std::vector<std::string_view> names;  ///< of all its files and folders
+  std::vector<std::string_view> names;  ///< names of all its files and folders
 };
 
 /// Throws InputError when `out` holds anything but such a series, or a report of another program.
@@ -26,8 +26,8 @@ class SeriesListener {
   /// `listener` must outlive it.
   explicit SeriesListener(const Listener& listener) : listener_(listener) {}
 
-  /// For the next run, as long as this lives. `where` ("row 2, seed 0: ") stands before the names of its stages. Notes
-  /// of the first run alone are passed on, and each warning once.
+  /// Listener for the next run, valid while this object lives. `where` ("row 2, seed 0: ") is put before the names of
+  /// its stages. Only notes of the first run are passed on, and each warning once.
   Listener ForRun(const std::string& where);
 
  private:

@@ -87,7 +87,7 @@ std::vector<PixelKinds> ViewTamperer::KindsOf(size_t lies) const {
 
 TamperedViews ViewTamperer::FewestThatReach(double share) const {
   const size_t most = lies_.size() - 1;
-  // More lies cost more to render, so the search begins with few.
+  // More tampered balls cost more to render, so the search begins with few.
   size_t too_few = 0, enough = std::min<size_t>(1, most);
   TamperedViews views = With(enough);
   while (views.share < share && enough < most) {

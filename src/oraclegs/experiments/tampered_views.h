@@ -1,5 +1,5 @@
 #pragma once
-// Proposals of which a known share of the pixels lies: renders of an ensemble whose members are tampered with alike.
+// Proposals with a known share of wrong pixels: renders of an ensemble whose members are all tampered with in one way.
 
 #include <cstdint>
 #include <filesystem>
@@ -15,31 +15,33 @@ namespace oraclegs {
 /// Largest difference of a channel, in [0, 1], up to which a pixel counts as honest.
 inline constexpr float kHonestDifference = 0.05f;
 
-/// height * width, 255 = yes, 0 = no.
+/// Mask of height * width pixels; 255 = yes, 0 = no.
 using PixelMask = std::vector<uint8_t>;
-/// height * width, bit k = a lie of GaussianTamperKind k makes the difference by itself.
+/// Bits of height * width pixels; bit k = tampering of GaussianTamperKind k changes the pixel by itself.
 using PixelKinds = std::vector<uint8_t>;
 
 struct TamperedViews {
-  size_t lies = 0;                     ///< how many tampered balls there are
-  double share = 0;                    ///< of all proposals' pixels, [0, 1]
-  std::vector<Proposal> proposals;     ///< of the targets, in their order
-  std::vector<PixelMask> masks = {};   ///< of each: where it differs from the honest one by more than kHonestDifference
-  std::vector<PixelKinds> kinds = {};  ///< of each
+  size_t lies = 0;                  ///< number of tampered balls
+  double share = 0;                 ///< tampered share of all proposals' pixels, [0, 1]
+  std::vector<Proposal> proposals;  ///< one for each target, in their order
+  std::vector<PixelMask> masks =
+      {};  ///< one for each proposal: pixels that differ from the honest ones by more than kHonestDifference
+  std::vector<PixelKinds> kinds = {};  ///< one for each proposal
 };
 
 class ViewTamperer {
  public:
-  /// Members with Gaussians on the CPU; at least one member and one target. The same seed gives the same lies.
+  /// Needs members with Gaussians on the CPU, at least one member and one target. The seed decides what is tampered
+  /// with.
   ViewTamperer(const std::vector<ProxyModel>& members, RenderOptions render, std::vector<Target> targets,
                uint64_t seed);
 
-  /// What the members show untouched, with depth.
+  /// Untouched renders of the members, with depth.
   const std::vector<Proposal>& honest() const { return honest_; }
 
-  /// With the fewest lies, in the order that they were drawn in, that reach the share, [0, 1]; of 0 there is none. Of 1
-  /// everything is tampered with, and all pixels are in the masks. What all balls together do not reach is left, so
-  /// that `share` is smaller. Throws Interrupted.
+  /// Views with the fewest tampered balls, in the order in which they were drawn, that reach the share, [0, 1]. Share 0
+  /// has none; with share 1 everything is tampered with, and the masks hold all pixels. Where all balls together do not
+  /// reach the share, `share` of the result is smaller. Throws Interrupted.
   TamperedViews Reach(double share) const;
 
  private:
@@ -51,14 +53,14 @@ class ViewTamperer {
   RenderOptions render_;
   std::vector<Target> targets_;
   std::vector<Proposal> honest_;
-  std::vector<GaussianTampering> lies_;  ///< the last one is of everything
+  std::vector<GaussianTampering> lies_;  ///< the last one tampers with everything
   std::vector<Gaussians> models_;
   std::vector<TamperedGaussians> members_;
 };
 
-/// Writes dir/pictures/ and dir/ideal/, each a folder for --proposal-folder, the second with the confidence of an ideal
-/// oracle (0 in the mask, 1 outside), dir/masks/NAME.png (255 = tampered) and dir/kinds/NAME.png (PixelKinds). Poses
-/// are moved by `placement`.
+/// Writes dir/pictures/ and dir/ideal/, each a folder for --proposal-folder. The second has the confidence of an ideal
+/// oracle (0 in the mask, 1 outside). Also writes dir/masks/NAME.png (255 = tampered) and dir/kinds/NAME.png
+/// (PixelKinds). Poses are moved by `placement`.
 void WriteTamperedViews(const std::filesystem::path& dir, const TamperedViews& views, const Similarity& placement = {});
 
 /// Writes a mask of `camera`'s size. Throws RunError.

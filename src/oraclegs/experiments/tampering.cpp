@@ -34,11 +34,11 @@ constexpr char kRuns[] = "runs", kTampered[] = "tampered", kTamperingJson[] = "t
 constexpr char kModels[] = "models";
 constexpr int kTamperingVersion = 2;  ///< raised when the same models give other pictures
 
-/// How a run of the suite differs from what was asked for.
+/// Difference of a run of the suite from the options that were asked for.
 struct Task {
-  std::string name;  ///< of its workspace
+  std::string name;  ///< name of its workspace
   TamperingTrust trust = TamperingTrust::kNone;
-  size_t share = 0;  ///< index of the report's shares; of kNone of no meaning
+  size_t share = 0;  ///< index into the report's shares; unused for kNone
 };
 
 void RequireTamperable(const AblationRequest& request) {
@@ -61,14 +61,14 @@ void RequireTamperable(const AblationRequest& request) {
   }
 }
 
-/// What at most one photo sees, at each target.
+/// Masks, for each target, of the pixels that at most one photo sees.
 std::vector<PixelMask> VoidOf(const Warper& warper, const std::vector<Target>& targets) {
   std::vector<PixelMask> masks;
   for (const Target& target : targets) {
     ThrowIfInterrupted();
     PixelMask mask;
     for (const PixelEvidence& pixel : warper.Warp(target.camera).evidence) {
-      // Beside an object nothing is to be seen, which its silhouettes know.
+      // Pixels beside an object are no void: its silhouettes show that nothing is there.
       mask.push_back(pixel.views < 1.5f && pixel.background < 0.5f ? 255 : 0);
     }
     masks.push_back(std::move(mask));
@@ -124,7 +124,7 @@ class TamperingSuite {
     for (size_t s = 0; s < report_.shares.size(); ++s) {
       const int percent = report_.shares[s].percent;
       for (const TamperingTrust trust : {TamperingTrust::kUniform, TamperingTrust::kOracle, TamperingTrust::kIdeal}) {
-        // An ideal oracle trusts everything where all is honest, and nothing where nothing is.
+        // An ideal oracle equals the uniform one where all pixels are honest, and no proposals where none is.
         if (trust == TamperingTrust::kIdeal && (percent == 0 || percent == 100)) continue;
         tasks.push_back(
             {fmt::format("share-{}-{}", percent, kTamperingTrustNames[static_cast<size_t>(trust)]), trust, s});
@@ -138,7 +138,7 @@ class TamperingSuite {
     request.out = WorkspaceOf(name, seed);
     request.options.start.seed = seed;
     request.options.split = WithListsRead(request.options.split);
-    // A user's folder comes without the models that made it, so no run sees them.
+    // A user's folder has no proxy models with it, so no run may use them.
     request.options.propose.proposers = name == kModels ? ProposerChoice::kSplat : ProposerChoice::kNone;
     return request;
   }
@@ -155,7 +155,7 @@ class TamperingSuite {
 
   oraclegs::Run Start(RunRequest request, const Listener& listener) {
     std::error_code none;
-    // The first one of all may find that the scene cannot be read, before a folder is made.
+    // The first run may find that the scene cannot be read; no folder is made before it knows.
     if (has_started_ || fs::exists(out() / kTamperingJson, none)) {
       Workspace workspace = Workspace::Claim(request.out, request.scene, request.options, request.overwrite,
                                              {SizeToJson(request.options), {}, false});
@@ -173,7 +173,7 @@ class TamperingSuite {
     return run;
   }
 
-  /// Trains the models of a seed, and renders what they show at the proposals' poses, tampered with.
+  /// Trains the models of a seed, and renders tampered views of them at the proposals' poses.
   void MakePictures(uint64_t seed) {
     ThrowIfInterrupted();
     const Listener listener = events_.ForRun(fmt::format("models, seed {}: ", seed));
@@ -186,7 +186,7 @@ class TamperingSuite {
     }
     targets_ = known.targets;
     report_.proposals = targets_.size();
-    std::error_code none;  // what an earlier call measured stands until more is
+    std::error_code none;  // results of an earlier call stand until there are new ones
     if (!fs::exists(out() / kTamperingJson, none)) Write();
     const std::string key =
         fmt::format("{} {} {}", kTamperingVersion, known.keys.at("propose"), known.keys.at("proxies"));
@@ -225,7 +225,7 @@ class TamperingSuite {
     return record.is_object() ? record : json::object();
   }
 
-  /// False after the remains of other pictures were removed.
+  /// True when the pictures of this key are complete. Otherwise removes what remains of others.
   bool HasPictures(uint64_t seed, const std::string& key) const {
     bool complete = true;
     for (size_t s = 0; s < report_.shares.size(); ++s) {
@@ -247,7 +247,7 @@ class TamperingSuite {
       seconds_[static_cast<size_t>(task.trust)] =
           std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     }
-    std::error_code ignored;  // gigabytes, and of no more use
+    std::error_code ignored;  // gigabytes that nothing reads any more
     fs::remove_all(run.workspace.checkpoints(), ignored);
     const json psnr = metrics.at("test").value("psnr", json());
     TamperingRun result{seed, task.trust, fs::relative(run.workspace.root(), out(), ignored).generic_string(),
@@ -260,7 +260,7 @@ class TamperingSuite {
     Report(result, task);
   }
 
-  /// Also where it stands for a training that would be the same.
+  /// Adds the run wherever it counts; one run may stand for trainings that would be the same.
   void Add(const Task& task, const TamperingRun& run) {
     if (task.trust == TamperingTrust::kNone) report_.none.push_back(run);
     for (size_t s = 0; s < report_.shares.size(); ++s) {
@@ -330,9 +330,9 @@ class TamperingSuite {
   SeriesListener events_;
   TamperingReport report_;
   std::vector<Task> tasks_;
-  std::vector<double> seconds_;   ///< that a training of each trust took, 0 = not known
-  std::vector<Target> targets_;   ///< of the seed that is trained
-  std::vector<fs::path> donors_;  ///< workspaces of this call, whose geometry others may use
+  std::vector<double> seconds_;   ///< duration of a training with each trust; 0 = not known
+  std::vector<Target> targets_;   ///< targets of the current seed
+  std::vector<fs::path> donors_;  ///< workspaces of this call, whose geometry others may copy
   std::set<std::string> finished_;
   bool has_started_ = false;
 };

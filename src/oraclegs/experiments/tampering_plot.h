@@ -6,8 +6,7 @@
 
 namespace oraclegs {
 
-/// Test PSNR over the tampered share as an SVG image: a line for each trust, with its name. What has no scores yet has
-/// no line.
+/// Test PSNR over the tampered share as an SVG image: a line, with its name, for each trust that has scores.
 std::string TamperingPlot(const TamperingReport& report);
 
 }  // namespace oraclegs

@@ -18,7 +18,7 @@ const std::vector<std::string> kColumns = {"tampered", "none",  "uniform", "orac
 
 const char* NameOf(TamperingTrust trust) { return kTamperingTrustNames[static_cast<size_t>(trust)]; }
 
-/// The mean over seeds of a number of the confidence.
+/// Mean over seeds of a figure of the confidence.
 template <class Value>
 std::optional<double> MeanOver(const TamperingShare& share, Value&& number) {
   std::vector<double> values;
@@ -59,7 +59,8 @@ std::vector<std::string> ShareCells(const TamperingReport& report, size_t s) {
   return cells;
 }
 
-/// Lines of the kinds that have pixels, columns of the shares that have them; empty when there are none.
+/// Table with a line for each kind that has pixels and a column for each share that has them; empty when there are
+/// none.
 std::vector<std::vector<std::string>> KindTable(const TamperingReport& report) {
   std::vector<size_t> shares;
   std::vector<std::vector<std::string>> lines = {{"kind"}};
@@ -88,7 +89,7 @@ std::string WorstLine(const TamperingReport& report) {
   return worst ? fmt::format("Worst of oracle − none: {:+.2f} dB", *worst) : "";
 }
 
-/// The first line is the head.
+/// Markdown table of the lines; the first one is the header.
 std::string MarkdownTable(const std::vector<std::vector<std::string>>& lines) {
   std::string text = fmt::format("| {} |\n|", fmt::join(lines[0], " | "));
   for (size_t c = 0; c < lines[0].size(); ++c) text += " --- |";

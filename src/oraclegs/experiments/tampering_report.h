@@ -1,5 +1,5 @@
 #pragma once
-// What the tampering benchmark measured: its statistics, and the same as text, JSON and Markdown
+// Results of the tampering benchmark: statistics, and reports as text, JSON and Markdown
 // (docs/method.md#tampering-benchmark).
 
 #include <array>
@@ -14,12 +14,12 @@
 
 namespace oraclegs {
 
-/// How far proposals are trusted.
+/// Trust in the pixels of proposals.
 enum class TamperingTrust {
-  kNone,     ///< there are no proposals
-  kUniform,  ///< in all pixels alike
-  kOracle,   ///< as the oracle says
-  kIdeal,    ///< in the honest pixels alone
+  kNone,     ///< no proposals
+  kUniform,  ///< all pixels alike
+  kOracle,   ///< the oracle's confidence
+  kIdeal,    ///< honest pixels only
 };
 inline constexpr std::array kTamperingTrustNames = {"none", "uniform", "oracle", "ideal"};
 
@@ -28,25 +28,25 @@ struct TamperingRun {
   uint64_t seed = 0;
   TamperingTrust trust = TamperingTrust::kNone;
   std::string workspace;       ///< relative to the benchmark's folder
-  std::optional<double> psnr;  ///< of the test views, dB; none without test pixels
+  std::optional<double> psnr;  ///< test PSNR, dB; nullopt without test pixels
 };
 
-/// What the oracle says of the proposals of one seed; numbers that there are no pixels for are none.
+/// Confidence of the oracle in the proposals of one seed; a metric without pixels is nullopt.
 struct TamperedConfidence {
   uint64_t seed = 0;
-  double tampered = 0;               ///< share of the pixels, [0, 1]
-  size_t lies = 0;                   ///< tampered balls
-  std::optional<double> auroc;       ///< of low confidence as a sign of a tampered pixel, where >= 2 photos see
-  std::optional<double> auroc_void;  ///< the same where at most one does
+  double tampered = 0;               ///< tampered share of the pixels, [0, 1]
+  size_t lies = 0;                   ///< number of tampered balls
+  std::optional<double> auroc;       ///< low confidence as a sign of a tampered pixel, where at least 2 photos see it
+  std::optional<double> auroc_void;  ///< low confidence as a sign of a tampered pixel, where at most one photo sees it
   std::optional<double> on_tampered, on_honest;  ///< mean confidence, [0, 1]
-  /// auroc of what one kind of lie makes differ by itself, against honest pixels.
+  /// AUROC of each tampering kind alone against untouched pixels.
   std::array<std::optional<double>, kGaussianTamperKinds> auroc_of_kind = {};
 };
 
-/// A row of the table.
+/// Row of the table.
 struct TamperingShare {
-  int percent = 0;                 ///< that was asked for, of all proposals' pixels
-  std::vector<TamperingRun> runs;  ///< those that ended; those without proposals stand in TamperingReport
+  int percent = 0;                 ///< asked-for share of all proposals' pixels
+  std::vector<TamperingRun> runs;  ///< runs that ended; those without proposals are in TamperingReport
   std::vector<TamperedConfidence> confidence = {};
 };
 
@@ -56,27 +56,27 @@ struct TamperingReport {
   int width = 0, height = 0;  ///< pixels of a training view
   int iterations = 0, max_gaussians = 0;
   std::vector<uint64_t> seeds;
-  std::vector<TamperingRun> none;  ///< the trainings without proposals
+  std::vector<TamperingRun> none;  ///< trainings without proposals
   std::vector<TamperingShare> shares;
   std::vector<std::string> notes;
 };
 
-/// Test PSNR over the seeds that have been scored, dB; of TamperingTrust::kNone the same for each share.
+/// Test PSNR over the scored seeds, dB; TamperingTrust::kNone does not depend on the share.
 std::optional<Spread> TamperingPsnr(const TamperingReport& report, size_t share, TamperingTrust trust);
 
 /// (oracle - uniform) / (ideal - uniform), of mean PSNR: 1 = the oracle helps as much as an ideal one, 0 = as much as
-/// none, below 0 = it harms. None where one is missing, or where the ideal one gains less than kMinIdealGain.
+/// none, below 0 = it harms. nullopt where one is missing, or where the ideal one gains less than kMinIdealGain.
 std::optional<double> TamperingRecovery(const TamperingReport& report, size_t share);
 inline constexpr double kMinIdealGain = 0.05;  ///< dB
 
-/// The smallest difference oracle - none of mean PSNR over the shares, dB; none before both have scores.
+/// Smallest difference oracle - none of mean PSNR over the shares, dB; nullopt until both have scores.
 std::optional<double> WorstOverNone(const TamperingReport& report);
 
-/// Everything, each seed; what there is none of is null.
+/// JSON with every seed; missing values are null.
 nlohmann::json TamperingToJson(const TamperingReport& report);
-/// A table with a line for each share, the worst difference, and the AUROC of each kind of lie.
+/// Table with a line for each share, the worst difference, and the AUROC of each tampering kind.
 std::string TamperingText(const TamperingReport& report);
-/// A document with a heading, the plot (tampering.svg), the tables, what their columns are, and the notes.
+/// Document with a heading, the plot (tampering.svg), the tables, explanations of their columns, and the notes.
 std::string TamperingMarkdown(const TamperingReport& report);
 
 }  // namespace oraclegs

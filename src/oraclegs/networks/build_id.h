@@ -10,7 +10,7 @@
 
 namespace oraclegs {
 
-/// A hash of the sizes of what crosses, of the compiler, and of what both were built with.
+/// Hash of the sizes of the types that cross the border, of the compiler, and of CUDA support.
 consteval uint64_t SharedLayout() {
   uint64_t hash = 0xcbf29ce484222325;
   const auto add = [&hash](uint64_t value) { hash = (hash ^ value) * 0x100000001b3; };
@@ -33,7 +33,7 @@ consteval uint64_t SharedLayout() {
   return fmt::format("{}-{:016x}", ORACLEGS_NETWORKS_SOURCE, SharedLayout());
 }
 
-/// What the library exports.
+/// Functions that the library exports.
 inline constexpr const char* kBuildFunction = "oraclegs_networks_build";    ///< const char* ()
 inline constexpr const char* kCreateFunction = "oraclegs_networks_create";  ///< const Networks* ()
 

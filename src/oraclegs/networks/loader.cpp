@@ -26,13 +26,14 @@ constexpr const char* kHowToGet =
     "-DORACLEGS_NETWORKS=ON";
 #endif
 
-/// Nothing when there is none; what the variable names, whether it is there or not.
+/// Path that the environment variable names, whether it exists or not; else the library found beside the program, or
+/// nullopt.
 std::optional<fs::path> FindLibrary() {
   if (const char* given = std::getenv(kNetworksVariable)) return given;
   return FindLibraryFile(kLibrary);
 }
 
-/// What is wrong with a library that the system's loader refuses, from its words.
+/// Turns the reason why the system's loader refuses a library into a UsageError.
 [[noreturn]] void ThrowUnloadable(const fs::path& library, const std::string& reason) {
   if (reason.find("undefined symbol") != std::string::npos) {
     throw UsageError("{}: is of another build than this program; build both together ({})", library.string(), reason);

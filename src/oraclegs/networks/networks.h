@@ -1,6 +1,6 @@
 #pragma once
-// The networks as the program sees them: interfaces over a library of their own, which has libtorch behind it and is
-// loaded when a network is asked for (loader.h). This folder is in every build; the rooms below it are that library.
+// Networks as the program sees them: interfaces to a library of their own, which uses libtorch and is loaded when a
+// network is asked for (loader.h). This folder is in every build; its subfolders are that library.
 //
 // Memory is shared where both sides compute on one device: a Buffer becomes a tensor and back without a copy.
 
@@ -26,23 +26,23 @@ namespace oraclegs {
 
 struct LoadedView;
 
-/// "Depth Anything V2 small", "base", "large", or "of another size", read from the header of its weights without
-/// loading any library. Throws InputError for a file that is none.
+/// "Depth Anything V2 small", "base", "large", or "of another size", read from the header of the weights without
+/// loading any library. Throws InputError for a file of another network.
 std::string DepthNetworkName(const std::filesystem::path& weights);
 
 /// Depth Anything V2: from one image to relative inverse depth.
 class DepthNetwork {
  public:
   virtual ~DepthNetwork() = default;
-  /// [height, width] on the host; larger is nearer, unit and zero point are unknown.
+  /// Inverse depth [height, width] on the host; larger is nearer, unit and zero point are unknown.
   virtual Buffer<float> InverseDepth(const ImageF& rgb) const = 0;
-  /// dL/d(rgb) [height, width, 3] of a loss of the inverse depth of rgb [height, width, 3], both on the host.
-  /// `gradient` is given that depth and returns dL/d(depth).
+  /// Returns dL/d(rgb) [height, width, 3] of a loss L of the inverse depth of rgb [height, width, 3], both on the host.
+  /// `gradient` takes that depth and returns dL/d(depth).
   virtual Buffer<float> ImageGradient(const Buffer<float>& rgb,
                                       const std::function<Buffer<float>(const Buffer<float>&)>& gradient) const = 0;
 };
 
-/// What LPIPS is fed. The two give different numbers, and both are in use.
+/// Range of the values that LPIPS reads. The two give different scores, and both are in use.
 enum class LpipsRange {
   kZeroOne,      ///< the image in [0, 1] as it is: training losses and scores of the 3DGS family
   kMinusOneOne,  ///< 2 x - 1: what the authors of LPIPS ask for
@@ -53,16 +53,16 @@ class PerceptualNetwork {
  public:
   virtual ~PerceptualNetwork() = default;
   virtual std::string name() const = 0;       ///< "VGG16" or "AlexNet"
-  virtual int64_t smallest_side() const = 0;  ///< of an image, pixels
-  /// Throws ShapeError for images of different sizes or smaller than that.
+  virtual int64_t smallest_side() const = 0;  ///< shorter side that an image must have, pixels
+  /// Throws ShapeError for images of different sizes or smaller than smallest_side().
   virtual double Score(const Buffer<float>& image, const Buffer<float>& target, LpipsRange range) const = 0;
-  /// The score of kZeroOne; adds weight * d(score)/d(image) to grad [H, W, 3], null or undefined = score only. The
-  /// target's features are kept for the next call as long as the cache has room: its numbers may not change.
+  /// Score with kZeroOne; adds weight * d(score)/d(image) to grad [H, W, 3], null or undefined = score only. The
+  /// target's features stay in the cache while there is room: its numbers must not change.
   virtual double Loss(const Buffer<float>& image, const Buffer<float>& target, double weight,
                       Buffer<float>* grad) const = 0;
 };
 
-/// Whose attention counts as support of a proposal.
+/// Queries whose attention counts as support of a proposal.
 enum class AttentionMode {
   kOfficial,   ///< the camera token of the reference; minimum and maximum over all views of the pass together
   kReference,  ///< the patches of the reference
@@ -88,7 +88,7 @@ struct EnumWords<VggtPrecision> {
                                                        {VggtPrecision::kAutocast, "autocast"}};
 };
 
-/// A layer of VGGT's global attention, from 0, and how much its map counts.
+/// Layer of VGGT's global attention, counted from 0, and the weight of its map.
 struct LayerWeight {
   int64_t layer = 0;
   double weight = 1;
@@ -96,25 +96,25 @@ struct LayerWeight {
 
 struct AttentionOptions {
   AttentionMode mode = AttentionMode::kReference;
-  std::vector<LayerWeight> layers = {};  ///< weights >= 0, not all 0; empty = those that the file names, else 0 and 22
+  std::vector<LayerWeight> layers = {};  ///< weights >= 0, not all 0; empty = the file's own, else 0 and 22
   Auto<VggtPrecision> precision = {};    ///< automatic = bfloat16 on a GPU, else float32
 };
 
-/// VGGT's aggregator: which pixels of some images the other images of a scene attend to.
+/// VGGT's aggregator: how much the other images of a scene attend to each pixel of an image.
 class AttentionNetwork {
  public:
   virtual ~AttentionNetwork() = default;
-  /// Bytes that a pass over `views` images needs on the device, weights included; of the given cameras' sizes the
-  /// one that needs most. Needs no weights in memory.
+  /// Bytes that a pass over `views` images needs on the device, weights included, for the largest of the cameras'
+  /// sizes. Reads no weights.
   virtual int64_t PassBytes(const std::vector<Camera>& cameras, int64_t views) const = 0;
-  /// Reads the weights, else the first Confidence does. Throws InputError that lists all that does not fit.
+  /// Reads the weights; otherwise the first Confidence does. Throws InputError that lists all that does not fit.
   virtual void Load() = 0;
-  /// [proposals, height, width] in [0, 1] on the host: large where the other views attend. All proposals have one size.
-  /// It orders pixels and is no probability. Throws Interrupted.
+  /// [proposals, height, width] in [0, 1] on the host: large where the other views attend. It ranks pixels and is no
+  /// probability. All proposals must have one size. Throws Interrupted.
   virtual Buffer<float> Confidence(const Image8& reference, const std::vector<Image8>& proposals) = 0;
 };
 
-/// Where a point stands in one image.
+/// Pixel at which one image shows a point.
 struct CloudSight {
   int view = 0;           ///< index of the image
   Eigen::Vector2d pixel;  ///< from the image's top-left corner
@@ -126,7 +126,7 @@ struct CloudPoint {
   std::vector<CloudSight> sights;  ///< at least two, by view
 };
 
-/// Cameras and a cloud of points, in a world whose scale and orientation are VGGT's own.
+/// Cameras and a point cloud, in a world whose scale and orientation are VGGT's own.
 struct PoseEstimate {
   std::vector<Camera> cameras;  ///< pinhole, in the pixels of each image
   std::vector<CloudPoint> cloud;
@@ -134,14 +134,14 @@ struct PoseEstimate {
 
 struct PoseRequest {
   std::filesystem::path weights;
-  std::string network = "VGGT";  ///< what messages call it
+  std::string network = "VGGT";  ///< its name in messages
   std::vector<Image8> images;
-  std::vector<std::string> names;  ///< of the images, for errors
+  std::vector<std::string> names;  ///< names of the images, for errors
   Device device;
-  int64_t free_bytes = 0;  ///< of the device; 0 = unknown
+  int64_t free_bytes = 0;  ///< free memory of the device; 0 = unknown
 };
 
-/// The files of Stable Virtual Camera.
+/// Weight files of Stable Virtual Camera.
 struct SevaFiles {
   std::vector<std::filesystem::path> unet;
   std::filesystem::path vae, clip;
@@ -151,31 +151,31 @@ struct ViewGeneratorRequest {
   SevaFiles files;
   SevaOptions options;
   Device device;
-  int64_t free_bytes = 0;  ///< of the device before the networks are loaded; 0 = unknown
+  int64_t free_bytes = 0;  ///< free memory of the device before the networks are loaded; 0 = unknown
 };
 
 struct ViewRequest {
-  const std::vector<LoadedView>* views = nullptr;  ///< to condition on, at least one
+  const std::vector<LoadedView>* views = nullptr;  ///< conditioning views, at least one
   std::vector<Camera> targets;
-  std::filesystem::path workspace = {};  ///< finished chunks are kept here; empty: nowhere
-  std::string key = {};  ///< stands for views, targets and weights: chunks of another key are not used again
+  std::filesystem::path workspace = {};  ///< finished chunks are kept here; empty = nowhere
+  std::string key = {};  ///< identifies views, targets and weights: chunks stored under another key are not reused
 };
 
 /// Stable Virtual Camera: images and target cameras to new views.
 class ViewGenerator {
  public:
   virtual ~ViewGenerator() = default;
-  /// Of each target options.candidates images of its camera's size, RGB in [0, 1]; the whole frame of
-  /// the camera is generated, so its pose and intrinsics are exact. The same for a seed, whether the work was
-  /// interrupted or not; only decoding in tiles, where memory is short, gives others, with a warning. Polls for
-  /// interrupts between steps; reports StepDone{"propose"} after each. Throws RunError when memory does not suffice
-  /// (before the first step), UsageError for options that do not fit the views, InputError for views of different
-  /// working sizes, Interrupted.
+  /// For each target options.candidates images of its camera's size, RGB in [0, 1]. The whole
+  /// frame of the camera is generated, so its pose and intrinsics are exact. The images depend on the seed, not on
+  /// interruptions; only decoding in tiles, where memory is short, changes them, with a warning. Polls for interrupts
+  /// between steps; reports StepDone{"propose"} after each. Throws RunError when memory does not suffice (before the
+  /// first step), UsageError for options that do not fit the views, InputError for views of different working sizes,
+  /// Interrupted.
   virtual std::vector<std::vector<ImageF>> Generate(const ViewRequest& request, const Listener& listener) const = 0;
 };
 
-/// Makes networks out of files. All throw InputError, one line that lists everything that does not fit, and ask the
-/// thread pool how many threads to use. A device must be one that this library can use: see has_cuda.
+/// Makes networks from files. Every function throws InputError, one line that lists all that does not fit, and asks the
+/// thread pool how many threads to use. The device must be one that this library can use: see has_cuda.
 class Networks {
  public:
   virtual ~Networks() = default;
@@ -185,10 +185,10 @@ class Networks {
   /// cache_bytes: for targets' features (PerceptualNetwork::Loss); what does not fit is computed each time.
   virtual std::unique_ptr<PerceptualNetwork> LoadPerceptual(const std::vector<std::filesystem::path>& weights,
                                                             Device device, int64_t cache_bytes) const = 0;
-  /// Layers that the network does not have are refused, too.
+  /// Throws InputError for layers that the network does not have, too.
   virtual std::unique_ptr<AttentionNetwork> OpenAttention(const std::filesystem::path& weights,
                                                           const AttentionOptions& options, Device device) const = 0;
-  /// VGGT in one pass over all images. Says in a Note how much memory that needs. Throws RunError when that is more
+  /// Runs VGGT in one pass over all images. A Note says how much memory that needs. Throws RunError when that is more
   /// than there is, InputError naming the images that get no camera.
   virtual PoseEstimate EstimatePoses(const PoseRequest& request, const Listener& listener) const = 0;
   virtual std::unique_ptr<ViewGenerator> LoadViewGenerator(const ViewGeneratorRequest& request) const = 0;

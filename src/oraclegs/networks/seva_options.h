@@ -1,5 +1,5 @@
 #pragma once
-// How Stable Virtual Camera generates views: options, without its network.
+// Options of Stable Virtual Camera, without its network.
 
 #include <cstdint>
 
@@ -8,22 +8,22 @@
 namespace oraclegs {
 namespace seva {
 
-/// Which frames get the full strength of guidance.
+/// Frames that get the full strength of guidance.
 enum class Guider {
-  kMultiView,  ///< all but frames at the place of an image
-  kTemporal,   ///< the more the farther from an image
+  kMultiView,  ///< all but frames at the place of an input image
+  kTemporal,   ///< the farther from an input image, the more
   kPlain       ///< all
 };
 
-/// Which frames are denoised together.
+/// Strategy that chooses the frames that are denoised together.
 enum class Chunking { kNearestGt, kNearest, kGt, kGtNearest, kGtLtr, kInterp, kInterpGt };
 
-/// The same in the first of two passes.
+/// Strategy of the first of two passes.
 enum class FirstChunking { kGtNearest, kGtLtr, kGt, kNearestGt, kNearest };
 
-/// Guidance evaluates the UNet twice in a step: with and without the images.
+/// Schedule of the two UNet evaluations of a guided step: with and without the input images.
 enum class Halves {
-  kBatched,  ///< both at once
+  kBatched,  ///< two at once
   kInTurn    ///< one after the other, with half the memory
 };
 
@@ -76,7 +76,7 @@ struct EnumWords<seva::Precision> {
                                                          {seva::Precision::kAutocast, "autocast"}};
 };
 
-/// The defaults are the paper's.
+/// Defaults are the paper's.
 struct SevaOptions {
   int frames = 80, short_side = 576, steps = 50, passes = 2, candidates = 1;
   double cfg = 3, cfg_min = 1.2, camera_scale = 2, anchor_ratio = 1;

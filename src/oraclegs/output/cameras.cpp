@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr int kJpegQuality = 95;
 
-/// A folder that takes its name when it is whole.
+/// A folder under a temporary name, which gets its own name when it is complete.
 class FolderInTheMaking {
  public:
   explicit FolderInTheMaking(fs::path final_path) : final_(std::move(final_path)) {
@@ -55,12 +55,12 @@ class FolderInTheMaking {
   fs::path final_, path_;
 };
 
-/// "dir/" without its slash, so that it has a parent.
+/// "dir/" without its slash, so that its parent is the right one.
 fs::path WithoutSlash(const fs::path& path) { return path.has_filename() ? path : path.parent_path(); }
 
-/// A view of the dataset.
+/// View of the dataset.
 struct DatasetView {
-  int index = 0;  ///< of the scene
+  int index = 0;  ///< index in the scene
   bool test = false;
   std::string name;
   Camera camera;
@@ -106,7 +106,7 @@ void WriteDatasetImages(const CameraDataset& dataset, const fs::path& out, std::
 void WriteSparseModel(const CameraDataset& dataset, const fs::path& out, const std::vector<DatasetView>& views) {
   ColmapCameras cameras;
   std::vector<ColmapImage> images;
-  std::map<std::vector<double>, uint32_t> ids;  // views of one camera share it
+  std::map<std::vector<double>, uint32_t> ids;  // equal cameras share an id
   std::map<int, const DatasetView*> of_index;
   std::map<int, uint32_t> image_ids;
   for (const DatasetView& view : views) {
@@ -146,7 +146,7 @@ nlohmann::json IntrinsicsJson(const Camera& c) {
   return {{"w", c.width}, {"h", c.height}, {"fl_x", c.fx}, {"fl_y", c.fy}, {"cx", c.cx}, {"cy", c.cy}};
 }
 
-/// Camera to world, with OpenGL's axes: y up, looking along -z.
+/// Camera to world as a matrix, with OpenGL's axes: y up, looking along -z.
 nlohmann::json MatrixJson(const Camera& camera) {
   Eigen::Matrix4d m = camera.cam_from_world.inverse(Eigen::Isometry).matrix();
   m.middleCols<2>(1) *= -1;
@@ -172,7 +172,7 @@ nlohmann::json TransformsJson(const CameraDataset& dataset, const std::vector<Da
     frames.push_back(std::move(frame));
   }
   json["frames"] = std::move(frames);
-  if (!test.empty()) {  // Nerfstudio wants all three or none
+  if (!test.empty()) {  // Nerfstudio reads all three lists or none
     json["train_filenames"] = train;
     json["val_filenames"] = test;
     json["test_filenames"] = test;

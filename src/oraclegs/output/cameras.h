@@ -1,5 +1,5 @@
 #pragma once
-// The cameras of a run as a dataset that other trainers start from.
+// Cameras of a run as a dataset for other trainers.
 
 #include <filesystem>
 #include <string>
@@ -12,13 +12,13 @@
 
 namespace oraclegs {
 
-/// What a dataset is made of.
+/// Content of a dataset.
 struct CameraDataset {
-  const Scene& scene;  ///< with poses
-  const Split& split;  ///< its views are written, all others left out
-  ImageOptions image;  ///< gives the size of the images
+  const Scene& scene;  ///< must have poses
+  const Split& split;  ///< train and test views are written, all others left out
+  ImageOptions image;  ///< decides the size of the images
   std::vector<ScenePoint> points;
-  SceneFrame frame = {};  ///< that scene and points are in
+  SceneFrame frame = {};  ///< frame of the scene and the points
 };
 
 struct CameraDatasetResult {
@@ -26,21 +26,21 @@ struct CameraDatasetResult {
   size_t points = 0;
 };
 
-/// The names of the images in a dataset: the views' own without the folder that all of them are in, with "_" for other
-/// folders and for what COLMAP's text format or a shell trips over, ending in .jpg, made unique by a number. In the
-/// order of `names`.
+/// Names of the images in a dataset: the views' own, without the folder that contains all of them, with "_" for other
+/// folders and for characters that COLMAP's text format or a shell misreads, ending in .jpg, made unique by a number.
+/// In the order of `names`.
 std::vector<std::string> DatasetNames(const std::vector<std::string>& names);
 
 /// Writes to `out`, which must be missing or empty and outside the scene:
 ///   images/NAME.jpg       undistorted, at working size, JPEG 95
-///   masks/NAME.jpg.png    of views that have one: 255 = use
+///   masks/NAME.jpg.png    for views with a mask: 255 = use
 ///   sparse/0/*.txt        COLMAP's model: PINHOLE cameras, poses, points with tracks
 ///   sparse_pc.ply         the points, as Nerfstudio's splatfacto reads them; absent without points
-///   transforms.json       the same cameras with OpenGL's axes (Nerfstudio, instant-ngp)
+///   transforms.json       the cameras with OpenGL's axes (Nerfstudio, instant-ngp)
 ///   split.json            names of the training and test views
-/// All in the coordinates of the run's point_cloud.ply; applied_transform of transforms.json has what lies between them
-/// and the scene's own. The folder appears when it is whole. Throws InputError naming what does
-/// not fit, RunError when writing fails, Interrupted.
+/// Coordinates are those of the run's point_cloud.ply; applied_transform of transforms.json is the transform between
+/// them and the scene's own. The folder appears when it is complete. Throws InputError naming the fault, RunError when
+/// writing fails, Interrupted.
 CameraDatasetResult WriteCameraDataset(const CameraDataset& dataset, const std::filesystem::path& out,
                                        const Listener& listener);
 

@@ -13,19 +13,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Throws when a metrics.json stands in `dir` that this program has not written.
+/// Throws InputError when `dir` holds a metrics.json that this program has not written.
 void RefuseForeignMetrics(const fs::path& dir) {
   const fs::path path = WorkspacePaths(dir).metrics();
   std::error_code ignored;
   if (!fs::exists(path, ignored)) return;
   const nlohmann::json json = ParseJsonOrDiscard(ReadFile(path));
-  // The first versions did not name the program.
+  // Early versions did not name the program.
   const bool ours = json.is_object() && (json.value("program", nlohmann::json()) == "oraclegs" ||
                                          (json.contains("test") && json.contains("gaussians")));
   if (!ours) throw InputError("{}: was not written by oraclegs; choose another -o", path.string());
 }
 
-/// Where renders go; empty without `out`.
+/// Folder of the renders; empty without `out`.
 fs::path PrepareFolder(const fs::path& out, const Scene& scene, const RunOptions& options) {
   if (out.empty()) return {};
   RequireOutsideScene(out, scene, options.input.images);

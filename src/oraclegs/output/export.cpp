@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Which way a format's own axes are turned against the program's: signs of x, y, z.
+/// Signs of x, y, z that turn the program's axes to those of a format.
 Eigen::Vector3d FileAxes(SplatFormat format) {
   if (format == SplatFormat::kSpz) return {1, -1, -1};
   if (format == SplatFormat::kGltf || format == SplatFormat::kGltfSpz) return {-1, -1, 1};

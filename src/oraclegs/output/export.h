@@ -45,31 +45,31 @@ struct ExportOptions {
   }
 };
 
-/// What an export knows of the cameras.
+/// Facts about the cameras that an export uses.
 struct ExportCameras {
   Ball looked_at;
-  Eigen::Vector3d up;  ///< unit
+  Eigen::Vector3d up;  ///< unit vector
 };
 
-/// True when the options cannot do without cameras.
+/// True when the options need cameras.
 bool NeedsCameras(const ExportOptions& options);
 
-/// What the options leave of a model, in its order, where the scene has it. Throws UsageError and InputError; `file`
-/// stands in errors.
+/// Gaussians of a model, in their order, that the options keep. Throws UsageError and InputError; `file` is named in
+/// errors.
 GaussianPly Pruned(const GaussianPly& splat, const ExportOptions& options, const Crop& crop, const std::string& file);
 
 struct ExportResult {
   SplatFormat format{};
   int64_t before = 0, after = 0;  ///< Gaussians
-  int sh_degree = 0;              ///< of the written file
-  uint64_t bytes = 0;             ///< of it
+  int sh_degree = 0;              ///< SH degree of the written file
+  uint64_t bytes = 0;             ///< size of the written file
 };
 
 /// Throws UsageError for options and an output that can be refused before anything is read.
 void CheckExport(const std::filesystem::path& from, const std::filesystem::path& to, const ExportOptions& options);
 
-/// Reads a splat of any format, edits it and writes it in the format that the name of `to` asks for. Throws InputError,
-/// RunError; UsageError when nothing would be left, or cameras are needed and not there.
+/// Reads a splat of any format, edits it and writes it in the format that the name of `to` ends with. Throws InputError
+/// and RunError; UsageError when no Gaussian would be left, or when cameras are needed and missing.
 ExportResult ExportSplat(const std::filesystem::path& from, const std::filesystem::path& to,
                          const ExportOptions& options, const std::optional<ExportCameras>& cameras,
                          const Listener& listener);

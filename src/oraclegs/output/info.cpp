@@ -37,7 +37,7 @@ const char* FormatName(SceneFormat format) {
   return "";
 }
 
-/// "4000x3000" of a photo that no camera is known for; empty when it cannot be read.
+/// "4000x3000", read from the file of a photo without a camera; empty when it cannot be read.
 std::string SizeOfPhoto(const fs::path& photo) {
   try {
     int width = 0, height = 0;

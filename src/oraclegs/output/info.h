@@ -7,13 +7,12 @@
 
 namespace oraclegs {
 
-/// A summary of what a path is, by its "kind":
-///   "scene"      format, views, camera models, sizes (of photos that came without cameras, the files'), points,
-///   missing
-///                and unreadable images
+/// Summary of a path, by its "kind":
+///   "scene"      format, views, camera models, sizes (from the files where there are no cameras), points, images that
+///                are missing or unreadable
 ///   "workspace"  scene, options, metrics
 ///   "gaussians"  a splat file of any format: number, SH degree, bounding box, opacities
-/// Throws InputError when it is none of them.
+/// Throws InputError for any other path.
 nlohmann::json Describe(const std::filesystem::path& path, const Listener& listener);
 
 }  // namespace oraclegs

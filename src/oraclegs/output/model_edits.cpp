@@ -13,12 +13,12 @@ namespace oraclegs {
 namespace {
 
 constexpr double kLonely = 3.5;             // robust standard deviations
-constexpr double kDeviationOfMad = 1.4826;  // of a normal distribution
-constexpr double kLeastSpread = 0.2;        // of the logarithm: a regular grid has no spread at all
-constexpr double kReach = 3;                // standard deviations of a Gaussian that can be seen
+constexpr double kDeviationOfMad = 1.4826;  // standard deviation of a normal distribution over its MAD
+constexpr double kLeastSpread = 0.2;        // in the logarithm; a regular grid has no deviation at all
+constexpr double kReach = 3;                // standard deviations of a Gaussian within which it is visible
 constexpr double kNearest = 1e-12;          // distances of duplicates have no logarithm
 
-/// The numbers of "1,2.5,-3"; empty when it is something else.
+/// Numbers of "1,2.5,-3"; empty for any other text.
 std::vector<double> NumbersOf(std::string_view text) {
   std::vector<double> numbers;
   const char* at = text.data();

@@ -1,5 +1,5 @@
 #pragma once
-// What an export leaves of a model, and where it puts it.
+// Edits of a model for an export: which Gaussians stay, and their orientation.
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -12,11 +12,12 @@
 
 namespace oraclegs {
 
-/// A part of space, in the scene's axes. Auto: what the cameras look at, which somebody must find out.
+/// A part of space, in the scene's axes. kAuto stands for the ball that the cameras look at, which the caller must
+/// find.
 struct Crop {
   enum class Kind { kNone, kAuto, kBox, kBall };
   Kind kind = Kind::kNone;
-  Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();  ///< of a box
+  Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();  ///< corners of a box
   Ball ball{Eigen::Vector3d::Zero(), 0};
 
   bool Holds(const Eigen::Vector3d& point) const;
@@ -26,14 +27,15 @@ struct Crop {
 /// "", "auto", "box:x0,y0,z0,x1,y1,z1" or "sphere:x,y,z,r". Throws UsageError that shows the forms.
 Crop ParseCrop(const std::string& text);
 
-/// "x", "-x", "y", "-y", "z" or "-z" as a unit vector; nothing for "" and "auto". Throws UsageError.
+/// Unit vector of "x", "-x", "y", "-y", "z" or "-z"; nullopt for "" and "auto". Throws UsageError.
 std::optional<Eigen::Vector3d> ParseAxis(const std::string& text);
 
-/// True for Gaussians that are lonely: the distance to the three nearest others is far above the median of all (by 3.5
-/// robust standard deviations of its logarithm), and they do not reach that far themselves (three standard deviations).
+/// True for outliers: the root mean square distance to the three nearest Gaussians is far above the median of all (by
+/// 3.5 robust standard deviations of its logarithm), and the Gaussian itself reaches less far (three standard
+/// deviations).
 std::vector<bool> LonelyGaussians(const Gaussians& gaussians);
 
-/// The shortest turn from one direction to another, both unit.
+/// Shortest rotation from one direction to another, both of unit length.
 Eigen::Matrix3d TurnBetween(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 
 }  // namespace oraclegs

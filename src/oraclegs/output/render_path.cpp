@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A list that ffmpeg's concat demuxer reads, which takes images of any name.
+/// List for ffmpeg's concat demuxer, which takes images of any name.
 std::string FfmpegList(const std::vector<fs::path>& images, int fps) {
   std::string list = "ffconcat version 1.0\n";
   for (const fs::path& image : images) {
@@ -34,7 +34,7 @@ bool WriteVideo(const std::vector<fs::path>& images, const fs::path& video, int 
     listener(Note{"ffmpeg is not installed: no video, the images are there"});
     return false;
   }
-  const fs::path whole = fs::absolute(video);  // ffmpeg takes "a:" at the beginning for a protocol
+  const fs::path whole = fs::absolute(video);  // ffmpeg reads "a:" at the beginning as a protocol
   const fs::path list = fs::path(whole).replace_extension(".txt.tmp"),
                  part = fs::path(whole).replace_extension(".mp4.tmp");
   WriteFileAtomically(list, FfmpegList(images, fps));
@@ -110,7 +110,8 @@ std::vector<fs::path> RenderCameras(const Model& model, const std::vector<NamedC
   }
   std::vector<fs::path> videos;
   for (size_t v = 0; v < values.size() && options.video && cameras.size() > 1; ++v) {
-    const fs::path video = folders[v] / "video.mp4";  // in the folder that was named: what stands beside it is not ours
+    const fs::path video =
+        folders[v] / "video.mp4";  // inside the folder that the user named; files beside it are not ours
     if (WriteVideo(files[v], video, options.fps, listener)) videos.push_back(video);
   }
   clock.Finish();

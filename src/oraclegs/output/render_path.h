@@ -1,5 +1,5 @@
 #pragma once
-// Images and a video along a camera path.
+// Renders images and a video along a camera path.
 
 #include <filesystem>
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace oraclegs {
 
-/// Cameras to render.
+/// Choice of the cameras to render.
 enum class PathKind { kTrain, kTest, kOrbit, kSpiral, kInterpolate };
 template <>
 struct EnumWords<PathKind> {
@@ -45,18 +45,18 @@ struct RenderPathOptions {
 };
 
 struct NamedCamera {
-  std::string name;  ///< of the image file, without extension
+  std::string name;  ///< name of the image file, without extension
   Camera camera;
 };
 
-/// The cameras of a path through a scene.
+/// Cameras of a path through a scene.
 std::vector<NamedCamera> PathCameras(const PosedScene& posed, const ImageOptions& image,
                                      const RenderPathOptions& options);
 
 /// Writes out/NAME.png for each camera and, when asked for and ffmpeg is installed, out/video.mp4; values other than
-/// color into a folder of their own, e.g. out/depth/NAME.png. Returns the paths of the videos that were written; one
-/// that fails is a warning. Throws UsageError for a value that does not exist, InputError for one that the model does
-/// not have, RunError when the folder cannot be written.
+/// color go into folders of their own, e.g. out/depth/NAME.png. Returns the paths of the videos written; a video that
+/// fails is a warning. Throws UsageError for an unknown value, InputError for a value that the model does not have,
+/// RunError when the folder cannot be written.
 std::vector<std::filesystem::path> RenderCameras(const Model& model, const std::vector<NamedCamera>& cameras,
                                                  const std::filesystem::path& out, const RenderPathOptions& options,
                                                  const Listener& listener);

@@ -12,11 +12,11 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kCamerasForSpan = 8;  // renders that the range of depth is taken from
+constexpr size_t kCamerasForSpan = 8;  // number of renders that decide the range of depth
 constexpr int kNormalReachShare =
-    240;  // of the longer side, in pixels; smooths what the Gaussians' outlines do to depth
+    240;  // the longer side over the reach in pixels; smooths the outlines of Gaussians in depth
 
-/// What some of the cameras see, without the outermost percent.
+/// Range of inverse depth that some of the cameras see, without the outermost percent.
 std::pair<float, float> InverseDepthSpan(const Model& model, const std::vector<Camera>& cameras,
                                          Rasterizer* rasterizer) {
   std::vector<float> values;
@@ -84,7 +84,7 @@ struct ValueRenderer::Impl {
   const Model& model;
   std::vector<RenderValue> values;
   std::unique_ptr<Rasterizer> rasterizer;
-  std::pair<float, float> span = {};  // of inverse depth, for its colors
+  std::pair<float, float> span = {};  // range of inverse depth, for its colors
   Gaussians in_support_colors = {};
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// What can be rendered of a model beside its color, as images for people.
+// Images, for people, of a model's color and of other values.
 
 #include <memory>
 #include <optional>
@@ -14,9 +14,9 @@ namespace oraclegs {
 
 enum class RenderValue {
   kColor,
-  kDepth,    ///< viridis of inverse depth, near is yellow; black where nothing is
-  kNormals,  ///< 255 (n + 1) / 2 of the surface's normal in the camera frame; black where it is not known
-  kSupport,  ///< the colors of render/recolor.h, composited
+  kDepth,    ///< viridis of inverse depth, near is yellow; black where there is no surface
+  kNormals,  ///< 255 (n + 1) / 2 of the surface's normal in the camera frame; black where it is unknown
+  kSupport,  ///< colors of render/recolor.h, composited
 };
 template <>
 struct EnumWords<RenderValue> {
@@ -26,18 +26,18 @@ struct EnumWords<RenderValue> {
                                                      {RenderValue::kSupport, "support"}};
 };
 
-/// "color,depth" as a list, each value once. Throws UsageError for an unknown or a missing word.
+/// List of the values in "color,depth", each once. Throws UsageError for an unknown or a missing word.
 std::vector<RenderValue> ParseRenderValues(const std::string& text);
 
-/// Renders images of several values, each Gaussian projected as seldom as possible.
+/// Renders images of several values; values share projections of the Gaussians where possible.
 class ValueRenderer {
  public:
-  /// `cameras`: where images will be rendered from, for one range of depth in all of them. Renders some of them. The
-  /// model must live as long. Throws InputError when support is wanted and the model has none.
+  /// Images will be rendered from `cameras`; all get one range of depth, for which some are rendered here. The model
+  /// must outlive it. Throws InputError when support is wanted and the model has none.
   ValueRenderer(const Model& model, std::vector<RenderValue> values, const std::vector<Camera>& cameras);
   ~ValueRenderer();
 
-  /// An RGB image of each value, in their order.
+  /// RGB image of each value, in their order.
   std::vector<Image8> Render(const Camera& camera);
 
  private:

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kCuda = "cuda", kCudaNumbered = "cuda:";
 
-/// The number behind "cuda:", 0 without one; -1 for any other text.
+/// Number after "cuda:", 0 for "cuda"; -1 for any other text.
 int CudaIndex(std::string_view text) {
   if (text == kCuda) return 0;
   if (text.substr(0, kCudaNumbered.size()) != kCudaNumbered) return -1;
@@ -25,7 +25,7 @@ int CudaIndex(std::string_view text) {
   return error == std::errc() && end == digits.data() + digits.size() && index >= 0 && index < 128 ? index : -1;
 }
 
-/// Why no GPU can be used; empty when one can.
+/// Reason why no GPU can be used; empty when one can.
 std::string WhyNoGpu(const DeviceSupport& support) {
   if (!support.built) return "this program was built without CUDA; build it with -DORACLEGS_CUDA=ON";
   if (support.devices == 0) return "this machine has no NVIDIA GPU with a working driver";

@@ -1,5 +1,5 @@
 #pragma once
-// What --device asks for, and what there is.
+// Choice of the device for --device, from those of this machine.
 
 #include <string>
 
@@ -9,27 +9,27 @@
 
 namespace oraclegs {
 
-/// What of a GPU this program can use.
+/// Support for GPUs in this program and on this machine.
 struct DeviceSupport {
-  bool built = false;  ///< the program was compiled with CUDA
-  int devices = 0;     ///< NVIDIA GPUs whose driver answers
+  bool built = false;  ///< true when the program was compiled with CUDA
+  int devices = 0;     ///< number of NVIDIA GPUs whose driver answers
 };
 
 DeviceSupport ProbeDevices();
 
-/// The device that `text` names: auto (cuda:0 where it can be used, else the CPU), cpu, cuda, cuda:N. Throws UsageError
-/// for any other text, and when a GPU is asked for that cannot be used: the CPU never stands in silently.
+/// Device that `text` names: auto (cuda:0 where it can be used, else the CPU), cpu, cuda, cuda:N. Throws UsageError for
+/// any other text, and for a GPU that cannot be used: the CPU never replaces it silently.
 Device ChooseDevice(const std::string& text, const DeviceSupport& support);
 
-/// Bytes that are free on the device; 0 = unknown.
+/// Free memory of the device in bytes; 0 = unknown.
 int64_t FreeBytes(Device device);
 
-/// Notes which GPU computes, or why a program that was built with CUDA cannot use one. Nothing of the CPU where that
-/// was built for, or chosen although there is a GPU.
+/// Notes which GPU computes, or why a program built with CUDA computes on the CPU. Says nothing in a build without
+/// CUDA, or when the CPU was chosen on a machine with a GPU.
 void ReportDevice(Device device, const DeviceSupport& support, const Listener& listener);
 
-/// Where networks compute beside an engine on `device`: there too, or, with a warning, on the CPU where their libtorch
-/// has no CUDA.
+/// Device of networks beside an engine on `device`: the same one, or, with a warning, the CPU where their libtorch has
+/// no CUDA.
 Device DeviceOfNetworks(const Networks& networks, Device device, const Listener& listener);
 
 }  // namespace oraclegs

@@ -75,7 +75,7 @@ std::string ViewsFingerprint(const Scene& scene, const std::vector<int>& views, 
   }
   files->Read(read);
   Fingerprint print;
-  print.Add(static_cast<double>(scene.format));  // it says what an alpha channel means
+  print.Add(static_cast<double>(scene.format));  // decides the meaning of an alpha channel
   auto next = read.begin();
   for (const int v : views) {
     const SceneView& view = scene.views[static_cast<size_t>(v)];

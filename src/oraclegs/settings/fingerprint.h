@@ -1,5 +1,5 @@
 #pragma once
-// Short names of everything a stage's result depends on: the same name, the same result.
+// Fingerprints of everything that a stage's result depends on: equal fingerprints, equal results.
 
 #include <filesystem>
 #include <map>
@@ -19,10 +19,10 @@ class Fingerprint {
  public:
   Fingerprint& Add(std::string_view bytes);
   Fingerprint& Add(double value);
-  /// The content of a file. Throws InputError naming it.
+  /// Adds the content of a file. Throws InputError naming it.
   Fingerprint& AddFile(const std::filesystem::path& path);
-  /// Metadata, names, types and shapes of a file of weights, and 64 bytes at each end of each tensor: gigabytes would
-  /// be read for nothing else.
+  /// Adds metadata, names, types and shapes of a file of weights, and 64 bytes at each end of each tensor. Reading all
+  /// of its gigabytes would take too long.
   Fingerprint& AddTensors(const SafetensorsFile& file);
   std::string Hex() const { return hash_.Hex(); }
 
@@ -30,21 +30,21 @@ class Fingerprint {
   Sha256 hash_;
 };
 
-/// Hashes of the content of files that a run does not write: each is read once.
+/// Hashes of the content of files that a run only reads; each file is read once.
 class FileHashes {
  public:
-  /// Reads those not yet known, on all threads. Throws InputError naming a file that cannot be read.
+  /// Reads the files not yet known, on all threads. Throws InputError naming a file that cannot be read.
   void Read(const std::vector<std::filesystem::path>& files);
   const std::string& Of(const std::filesystem::path& file);
-  /// Of all of them; "" for none.
+  /// Hash of all files together; "" for an empty list.
   std::string OfAll(const std::vector<std::filesystem::path>& files);
 
  private:
   std::map<std::filesystem::path, std::string> known_;
 };
 
-/// The scene's format, and of these views names, images (the files that LoadViews opens with these options), masks,
-/// intrinsics and poses.
+/// Fingerprint of the scene's format, and of these views: names, images (the files that LoadViews opens with these
+/// options), masks, intrinsics and poses.
 std::string ViewsFingerprint(const Scene& scene, const std::vector<int>& views, const ImageOptions& images,
                              FileHashes* files);
 

@@ -15,12 +15,12 @@ constexpr const char* kVggtFile = "--vggt-weights";
 bool IsHere(const char* model) {
   try {
     return LocateWeights(model).has_value();
-  } catch (const UsageError&) {  // there is no home folder to look in
+  } catch (const UsageError&) {  // there is no home folder
     return false;
   }
 }
 
-/// "--option word"
+/// "--option word".
 std::string Asked(const char* option, const std::string& word) { return fmt::format("--{} {}", option, word); }
 
 void AddIf(bool missing, MissingNetwork network, std::vector<MissingNetwork>* list) {
@@ -65,7 +65,7 @@ void AddOracle(const RunOptions& options, std::vector<MissingNetwork>* list) {
         list);
 }
 
-/// of(network) of each, without repetitions, in their order.
+/// Values of of(network) for each, without repetitions, in their order.
 template <class Of>
 std::vector<std::string> Distinct(const std::vector<MissingNetwork>& missing, const Of& of) {
   std::vector<std::string> texts;

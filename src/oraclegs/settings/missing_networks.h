@@ -1,6 +1,6 @@
 #pragma once
-// Networks that a run asks for by name and whose weights are not on this machine: reported before hours of work, all at
-// once, or done without.
+// Networks that a run asks for by name and whose weights are not on this machine. They are reported before hours of
+// work, all at once, or replaced.
 
 #include <functional>
 #include <string>
@@ -11,21 +11,22 @@
 
 namespace oraclegs {
 
-/// A part of the run that cannot be as it was asked for.
+/// A part of the run whose network is missing.
 struct MissingNetwork {
   std::string asked;                       ///< "--oracle vggt"
-  std::vector<std::string> models;         ///< what is missing, as `oraclegs models` names it
+  std::vector<std::string> models;         ///< missing models, by their names in `oraclegs models`
   std::string names_a_file;                ///< "--vggt-weights"; empty where there is no such option
-  std::string instead;                     ///< what needs no weights: "--oracle consistency"
-  std::function<void(RunOptions*)> apply;  ///< makes it so
+  std::string instead;                     ///< replacement without weights: "--oracle consistency"
+  std::function<void(RunOptions*)> apply;  ///< switches to the replacement
 };
 
-/// In the order of the stages; parts that the run does not come to are not among them. has_poses: the scene's cameras
-/// are known. Throws InputError for an option that names a file which is not there.
+/// Missing networks in the order of the stages, without those of parts that the run does not use. has_poses: the
+/// scene's cameras are known. Throws InputError for an option that names a file which does not exist.
 std::vector<MissingNetwork> MissingNetworks(const RunOptions& options, bool has_poses);
 
-/// The options when nothing is missing. Else, with --allow-fallback, the options with what needs no weights instead,
-/// and a Warning of each; without, throws one InputError that lists all that is missing and the commands that bring it.
+/// Returns the options unchanged when nothing is missing. Otherwise, with --allow-fallback, returns them with the
+/// replacements, and gives a Warning of each; without it throws one InputError that lists all missing networks and the
+/// commands that fetch them.
 RunOptions WithNetworksAtHand(const RunOptions& options, bool has_poses, const Listener& listener);
 
 }  // namespace oraclegs

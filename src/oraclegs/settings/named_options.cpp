@@ -6,14 +6,14 @@
 namespace oraclegs {
 namespace {
 
-/// As the command line would have it.
+/// Text of a value, as on the command line. Throws UsageError.
 std::string TextOfJson(const std::string& name, const nlohmann::json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_boolean() || value.is_number()) return value.dump();
   throw UsageError("--{} is {}, must be a number, a text, or true or false", name, value.dump());
 }
 
-/// All groups that `reconstruct` has.
+/// Calls f for all groups that `reconstruct` has.
 template <class Options, class F>
 void ForEachNamedGroup(Options& options, F&& f) {
   RunOptions::ForEachGroup(options, [&](const char*, auto& group) { f(group); });

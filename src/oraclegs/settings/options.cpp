@@ -11,7 +11,7 @@ namespace oraclegs {
 
 namespace {
 
-/// The first option that is given and makes no sense without depth; "" = none is.
+/// First option set that needs depth; "" = none.
 std::string OptionThatNeedsDepth(const BaselineOptions& options) {
   if (options.hard_depth) return "--hard-depth";
   if (options.soft_depth_start > 0) return "--soft-depth-start";

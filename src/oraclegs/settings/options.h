@@ -21,14 +21,14 @@
 
 namespace oraclegs {
 
-/// What finds the cameras of images without poses.
+/// Method that finds the cameras of images without poses.
 enum class PoseSource { kColmap, kVggt };
 template <>
 struct EnumWords<PoseSource> {
   static constexpr EnumWord<PoseSource> kWords[] = {{PoseSource::kColmap, "colmap"}, {PoseSource::kVggt, "vggt"}};
 };
 
-/// Where the Gaussians start.
+/// Source of the initial Gaussians.
 enum class StartKind { kDense, kSfm, kRandom, kRandomCube, kHybrid };
 template <>
 struct EnumWords<StartKind> {
@@ -39,7 +39,7 @@ struct EnumWords<StartKind> {
                                                    {StartKind::kHybrid, "hybrid"}};
 };
 
-/// Where sparse points come from.
+/// Source of the sparse points.
 enum class SfmPoints { kTriangulate, kModel };
 template <>
 struct EnumWords<SfmPoints> {
@@ -47,7 +47,7 @@ struct EnumWords<SfmPoints> {
                                                    {SfmPoints::kModel, "model"}};
 };
 
-/// What the training views' depth is made from.
+/// Source of the training views' depth.
 enum class DepthPrior { kMonocular, kStereo, kFused, kNone };
 template <>
 struct EnumWords<DepthPrior> {
@@ -64,8 +64,8 @@ struct EnumWords<LpipsUse> {
 };
 
 struct InputOptions {
-  std::filesystem::path images;  ///< empty = where the format usually has it
-  bool allow_outside = false;    ///< of the scene's folder
+  std::filesystem::path images;  ///< empty = the format's usual folder
+  bool allow_outside = false;    ///< allows images outside the scene's folder
   PoseSource poses = PoseSource::kColmap;
   FrameKind frame = FrameKind::kNormal;
 
@@ -85,10 +85,10 @@ struct InputOptions {
   }
 };
 
-/// Said of the scene's poses. It may become known, or change, after a run.
+/// Options about the scene's poses. They may become known, or change, after a run.
 struct FrameOptions {
-  std::string scale;   ///< as UnitMeters reads it
-  bool force = false;  ///< trains with given poses that the photos contradict
+  std::string scale;   ///< text for UnitMeters
+  bool force = false;  ///< trains even with given poses that the photos contradict
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
@@ -102,7 +102,7 @@ struct FrameOptions {
   }
 };
 
-/// How much time a run may take for its result.
+/// Time that a run may take for its result.
 enum class Quality { kDraft, kNormal, kHigh };
 template <>
 struct EnumWords<Quality> {
@@ -110,7 +110,7 @@ struct EnumWords<Quality> {
       {Quality::kDraft, "draft"}, {Quality::kNormal, "normal"}, {Quality::kHigh, "high"}};
 };
 
-/// The one knob: what is left automatic among --max-size, --iterations, --max-gaussians and --proposers follows it.
+/// Main control: --max-size, --iterations, --max-gaussians and --proposers follow it where they are automatic.
 struct QualityOptions {
   Quality quality = Quality::kNormal;
 
@@ -170,7 +170,7 @@ struct DepthOptions {
   }
 };
 
-/// Which device computes; up to rounding the result is the same. Free to differ when a run is continued.
+/// Device that computes; up to rounding the result is the same. May differ when a run is continued.
 struct DeviceOptions {
   std::string device = "auto";  ///< see ChooseDevice
 
@@ -183,7 +183,7 @@ struct DeviceOptions {
   }
 };
 
-/// What changes how fast a run goes, but not one bit of its result: free to differ when a run is continued.
+/// Options that change the speed of a run, but not one bit of its result; they may differ when a run is continued.
 struct MachineOptions {
   int threads = 0;
 
@@ -193,7 +193,7 @@ struct MachineOptions {
   }
 };
 
-/// Likewise: what files may ask of the machine.
+/// Limits of what files may ask of the machine; they may differ when a run is continued.
 struct FileLimits {
   int max_megapixels = kUsualMaxMegapixels;
 
@@ -206,7 +206,7 @@ struct FileLimits {
   }
 };
 
-/// Likewise: what is written while a run trains.
+/// Times at which a run that trains writes checkpoints and scores; they may differ when a run is continued.
 struct CheckpointSchedule {
   int checkpoint_every = 1000;
   int eval_every = 0;
@@ -224,7 +224,7 @@ struct CheckpointSchedule {
   }
 };
 
-/// What is made to look at when a run ends. Free to differ when a run is continued.
+/// Output for people at the end of a run. May differ when a run is continued.
 struct ReportOptions {
   bool report = true;
   int orbit_frames = 96;
@@ -238,8 +238,8 @@ struct ReportOptions {
   }
 };
 
-/// Where weights lie on this machine, and what to do without. What a stage makes depends on their content, which its
-/// key holds.
+/// Files of weights on this machine, and replacements for missing ones. The results of a stage depend on their content,
+/// which is part of its key.
 struct WeightOptions {
   bool allow_fallback = false;
   LpipsUse lpips = LpipsUse::kWhereFound;
@@ -269,7 +269,7 @@ struct RunOptions {
   InputOptions input;
   FrameOptions frame;
   QualityOptions quality;
-  CaptureOptions capture;  ///< of commands that start a run; in none of the groups below
+  CaptureOptions capture;  ///< for commands that start a run; not in the groups below
   SplitOptions split;
   ImageOptions image;
   StartOptions start;
@@ -321,7 +321,7 @@ struct RunOptions {
 /// {"views": 12, ...} of the options that shape the result.
 nlohmann::json ShapingOptionsToJson(const RunOptions& options);
 
-/// The same of all options.
+/// {"views": 12, ...} of all options.
 nlohmann::json RunOptionsToJson(const RunOptions& options);
 
 /// Throws UsageError for the first option out of its range, for --vggt-layers and --vggt-layer-weights that are no

@@ -7,7 +7,7 @@ namespace oraclegs {
 namespace {
 
 void RequireLayers(const RunOptions& options, const VggtWeights& weights) {
-  if (weights.layers == 0) return;  // no weights of the network: loading them says what is missing
+  if (weights.layers == 0) return;  // the network's weights are missing; loading them reports that
   RequireAttentionLayers(AttentionLayersOf(options.validate), weights.layers, weights.name);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// What a run does and with what: everything automatic is settled here, once, from the options and from what lies on
-// this machine. (What depends on the images' depth is settled after stage "depth": train_inputs.h.)
+// Plan of a run: everything automatic is settled here, once, from the options and from the files on this machine.
+// (Settings that depend on the images' depth are settled after stage "depth": train_inputs.h.)
 
 #include <filesystem>
 #include <optional>
@@ -16,50 +16,50 @@
 
 namespace oraclegs {
 
-/// True when the run's own proposers are asked.
+/// True when the run makes proposals itself.
 bool ProposesViews(const RunOptions& options);
 /// True when there are proposals: the run's own, or those of a folder.
 bool HasProposals(const RunOptions& options);
-/// True when a stage after "sfm" needs depth: a dense start, depth in the loss, or proposals; false for --depth-prior
+/// True when a stage after "sfm" needs depth: a dense start, depth in the loss, or proposals. False for --depth-prior
 /// none.
 bool NeedsDepth(const RunOptions& options);
 
-/// Which oracle classifies the proposals.
+/// Oracle that classifies the proposals.
 struct OracleChoice {
   OracleKind kind = OracleKind::kConsistency;
-  std::optional<VggtWeights> weights = {};  ///< of the kinds that ask VGGT
+  std::optional<VggtWeights> weights = {};  ///< set for the kinds that use VGGT
 
-  /// Tells one choice from another, for the key of a stage.
+  /// Text that identifies the choice in the key of a stage.
   std::string Key() const { return Word(kind) + (weights ? " " + weights->fingerprint : ""); }
 };
 
 /// Throws InputError as RequireVggtWeights does, UsageError for --vggt-layers that the network does not have.
 OracleChoice ChooseOracle(const RunOptions& options);
 
-/// Reports what --oracle auto became.
+/// Notes the choice for --oracle auto.
 void ReportOracleChoice(const RunOptions& options, const OracleChoice& choice, const Listener& listener);
 
 struct Plan {
   DeviceSupport support;
-  Device device;                             ///< of training, rendering and networks
-  bool needs_depth = false;                  ///< stage "depth" is run
-  bool proposes = false;                     ///< the run's own proposers are asked
-  bool has_proposals = false;                ///< they are, or a folder has proposals
-  DepthSource depth = {};                    ///< where depth is needed
-  OracleChoice oracle = {};                  ///< where there are proposals
-  std::optional<VggtWeights> poses = {};     ///< of --poses vggt, where poses are to be found; nothing = colmap
-  std::vector<std::filesystem::path> lpips;  ///< files; none: there is no LPIPS
+  Device device;                             ///< device of training, rendering and networks
+  bool needs_depth = false;                  ///< stage "depth" runs
+  bool proposes = false;                     ///< the run makes proposals itself
+  bool has_proposals = false;                ///< the run proposes, or a folder has proposals
+  DepthSource depth = {};                    ///< valid when needs_depth
+  OracleChoice oracle = {};                  ///< valid when has_proposals
+  std::optional<VggtWeights> poses = {};     ///< set for --poses vggt when poses are to be found; unset = colmap
+  std::vector<std::filesystem::path> lpips;  ///< weight files; empty = no LPIPS
 
   bool Uses(const RunOptions& options, ProposerChoice proposer) const {
     return proposes && options.propose.Uses(proposer);
   }
 };
 
-/// has_poses: the scene's cameras are known. Throws InputError for weights that are asked for and not there, UsageError
+/// has_poses: the scene's cameras are known. Throws InputError for weights that are asked for and missing, UsageError
 /// for a device that cannot be used.
 Plan MakePlan(const RunOptions& options, bool has_poses);
 
-/// The plan of a finished run that is only looked at: device and LPIPS, no other network.
+/// Plan for a finished run that is only evaluated or rendered: device and LPIPS, no other network.
 Plan MakePlanToEvaluate(const RunOptions& options);
 
 }  // namespace oraclegs

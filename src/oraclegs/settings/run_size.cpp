@@ -7,7 +7,7 @@
 namespace oraclegs {
 namespace {
 
-/// What a quality takes on a device. Gaussians are those of kUsualPixels.
+/// Sizes of a quality on a device. Gaussians are for kUsualPixels.
 struct Level {
   int max_size, iterations, max_gaussians;
 };
@@ -15,8 +15,8 @@ struct Level {
 constexpr double kUsualViewPixels = 0.75e6, kUsualPixels = 12 * kUsualViewPixels;  // twelve views of 1000 x 750
 constexpr double kMaxIterationFactor = 1.25;
 constexpr double kMaxGaussianFactor = 3;
-constexpr int kGaussianStep = 5000;  // a number that is easily read
-constexpr int kFewViews = 8;         // below which long training learns the photos by heart
+constexpr int kGaussianStep = 5000;  // makes round numbers
+constexpr int kFewViews = 8;         // with fewer views long training overfits
 constexpr int kMinIterations = 1000, kIterationStep = 100;
 
 Level LevelOf(Quality quality, bool on_gpu) {
@@ -42,7 +42,7 @@ int GaussiansFor(double pixels, int usual) {
   return std::max(kGaussianStep, Rounded(factor * usual, kGaussianStep));
 }
 
-/// More where they cost little, and fewer where long training would learn few photos by heart.
+/// More iterations for small images, which cost little; fewer for few views, which long training would overfit.
 int IterationsFor(int views, double pixels_of_view, int usual) {
   const double small = std::clamp(std::sqrt(kUsualViewPixels / pixels_of_view), 1.0, kMaxIterationFactor);
   const double few = std::sqrt(std::min(1.0, static_cast<double>(views) / kFewViews));
@@ -65,7 +65,7 @@ RunOptions WithSize(RunOptions options, const SceneSize& scene, bool on_gpu) {
   if (options.image.max_size.is_auto()) options.image.max_size = options.image.downscale.is_auto() ? level.max_size : 0;
   if (options.train.iterations.is_auto()) {
     options.train.iterations = IterationsFor(scene.views, PixelsOfView(scene, options.image), level.iterations);
-    // Rates and weights run their course over it.
+    // Rates and weights follow their schedules over the horizon.
     if (options.train.horizon > 0) options.train.iterations = options.train.horizon;
   }
   if (options.train.max_gaussians.is_auto()) {

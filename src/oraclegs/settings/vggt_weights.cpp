@@ -12,11 +12,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kCommercial = "VGGT-1B-Commercial";    // what its authors call the one for any use
-constexpr const char* kCommercialModel = "vggt-commercial";  // what `oraclegs models` and the converter call it
+constexpr const char* kCommercial = "VGGT-1B-Commercial";    // its authors' name of the network for any use
+constexpr const char* kCommercialModel = "vggt-commercial";  // its name in `oraclegs models` and the converter
 constexpr const char* kResearch = "VGGT-1B";
 
-/// Nothing also where there is no home folder to look in.
+/// Path of fetched weights; nullopt when they are missing, or when there is no home folder.
 std::optional<fs::path> Fetched(const std::string& model) {
   try {
     return LocateWeights(model);
@@ -25,7 +25,7 @@ std::optional<fs::path> Fetched(const std::string& model) {
   }
 }
 
-/// How many blocks of global attention the file has, by the names of its tensors.
+/// Number of blocks of global attention in the file, by the names of its tensors.
 int64_t CountAttentionLayers(const SafetensorsFile& file) {
   int64_t layers = 0;
   const auto has = [&](int64_t layer) {

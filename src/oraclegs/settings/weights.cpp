@@ -31,7 +31,7 @@ std::vector<fs::path> FindWeights(const std::string& model, const fs::path& give
     try {
       if (const auto file = LocateWeights(model)) return {*file};
       return FilesIn(WeightsFolder() / model);  // put there by hand
-    } catch (const UsageError&) {               // there is no home folder to look in
+    } catch (const UsageError&) {               // there is no home folder
       return {};
     }
   }

@@ -1,5 +1,5 @@
 #pragma once
-// Where the weights of networks lie.
+// Files of the networks' weights.
 
 #include <array>
 #include <filesystem>
@@ -10,18 +10,18 @@
 
 namespace oraclegs {
 
-/// Names of networks, as `oraclegs models` has them.
+/// Names of networks in `oraclegs models`.
 inline constexpr const char* kDepthModel = "depth-anything-v2-small";
 inline constexpr const char* kLpipsModel = "lpips-vgg";
-/// Of Stable Virtual Camera: the UNet, the autoencoder, the image encoder.
+/// Names of Stable Virtual Camera's networks: UNet, autoencoder, image encoder.
 inline constexpr std::array kSevaModels = {"seva", "sd21-vae", "openclip-vith14"};
 
-/// The .safetensors files of a network, sorted: `given`, or those in it when it is a folder; those of the network's
-/// folder in $ORACLEGS_MODELS or ~/.cache/oraclegs, or NAME.safetensors there, when nothing is given; none when there
+/// The .safetensors files of a network, sorted: `given`, or those in it when it is a folder. Without `given`:
+/// NAME.safetensors or the files of the network's folder, in $ORACLEGS_MODELS or ~/.cache/oraclegs; empty when there
 /// are none. Throws InputError naming `given` where it is neither.
 std::vector<std::filesystem::path> FindWeights(const std::string& model, const std::filesystem::path& given);
 
-/// The files that --lpips-weights or the models folder gives; none when there are none. Throws as FindWeights.
+/// Files of LPIPS from --lpips-weights or the models folder; empty when there are none. Throws as FindWeights.
 std::vector<std::filesystem::path> FindLpips(const WeightOptions& options);
 
 /// "`oraclegs models fetch NAME` brings them", for messages.
@@ -29,13 +29,12 @@ std::string HowToFetch(const std::string& model);
 
 struct DepthSource {
   DepthPrior prior = DepthPrior::kStereo;
-  std::filesystem::path weights;  ///< of the network, where one takes part
+  std::filesystem::path weights;  ///< weights of the network; empty = none is used
 
   bool HasNetwork() const { return !weights.empty(); }
 };
 
-/// What --depth-prior asks for. Throws InputError when it needs weights that are not there, or finds several files of
-/// them.
+/// Source for --depth-prior. Throws InputError when it needs weights that are missing, or finds several files.
 DepthSource ChooseDepthSource(const RunOptions& options);
 
 }  // namespace oraclegs

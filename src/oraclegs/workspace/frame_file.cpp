@@ -18,7 +18,7 @@ using nlohmann::json;
 
 constexpr uint64_t kMaxFrameBytes = 1 << 20;
 
-/// Stands for the poses as they were found.
+/// Hash of the poses as they were found.
 std::string KeyOf(const Scene& scene) {
   Sha256 hash;
   for (const SceneView& view : scene.views) {

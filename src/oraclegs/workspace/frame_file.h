@@ -1,6 +1,6 @@
 #pragma once
-// frame.json: how the scene was turned, moved and scaled. A run whose poses were found keeps its frame, also for a
-// later version of the program that would choose another.
+// frame.json: rotation, translation and scale of the scene in a run. A run whose poses were found keeps its frame, even
+// when a later version of the program would choose another.
 
 #include <filesystem>
 #include <optional>
@@ -9,14 +9,14 @@
 
 namespace oraclegs {
 
-/// The frame of poses that were found: the one in `file`, unless that is missing, damaged or of other poses; else
+/// Frame of poses that were found: the one in `file`, unless that is missing, damaged or of other poses; else
 /// LevelFrame's.
 SceneFrame FrameOf(const Scene& scene, const std::filesystem::path& file);
 
-/// What `file` holds; nothing where it is missing or damaged.
+/// Frame in `file`; nullopt where it is missing or damaged.
 std::optional<SceneFrame> ReadFrame(const std::filesystem::path& file);
 
-/// Writes a frame and the poses, before ApplyFrame, that it is of. Throws RunError.
+/// Writes a frame and the hash of the poses, as they were before ApplyFrame. Throws RunError.
 void WriteFrame(const Scene& scene, const SceneFrame& frame, const std::filesystem::path& file);
 
 }  // namespace oraclegs

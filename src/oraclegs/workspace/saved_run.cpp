@@ -60,7 +60,7 @@ SavedRun ReadSavedRun(const fs::path& dir) {
     if (input.is_string()) saved.inputs.push_back(input.get<std::string>());
   }
   std::error_code ignored;
-  // Also when the folder was moved.
+  // The folder may have been moved since.
   if (!saved.inputs.empty()) saved.scene = fs::weakly_canonical(fs::absolute(dir, ignored), ignored) / "photos";
   return saved;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// options.json: what a run was asked for, and whether it is the one that is asked for now.
+// options.json: the options of a run, and the check that they are those asked for now.
 
 #include <cstdint>
 #include <filesystem>
@@ -11,15 +11,15 @@
 
 namespace oraclegs {
 
-inline constexpr int kRunFormat = 1;  ///< of options.json
+inline constexpr int kRunFormat = 1;  ///< format of options.json
 
-/// What options.json holds.
+/// Content of options.json.
 struct SavedRun {
-  std::filesystem::path scene;      ///< absolute; bytes that are not UTF-8 are replaced; OUT/photos where imported
-  std::vector<std::string> inputs;  ///< what was imported, likewise; empty for a scene that is read where it is
-  nlohmann::json options;           ///< of all groups, as asked for
-  nlohmann::json size;              ///< what "auto" became (settings/run_size.h); null = not known yet
-  /// --iterations of the run before it was continued with more; 0 = it was not.
+  std::filesystem::path scene;      ///< absolute; OUT/photos where imported; bytes that are not UTF-8 are replaced
+  std::vector<std::string> inputs;  ///< imported paths, written like scene; empty for a scene that is read where it is
+  nlohmann::json options;           ///< all groups, as asked for
+  nlohmann::json size;              ///< values of "auto" (settings/run_size.h); null = not known yet
+  /// --iterations before the run was continued with more; 0 = it was not.
   int64_t start_iterations = 0;
 };
 
@@ -29,17 +29,17 @@ bool IsWorkspace(const std::filesystem::path& dir);
 SavedRun ReadSavedRun(const std::filesystem::path& dir);
 
 /// "--views was 9, now is 12; --seed was 0, now is 1": the options that shape the result and differ; empty when none.
-/// A run saved before an option existed has its default; `size` is what its "auto" became, which may be asked for in
-/// its place.
+/// An option newer than the saved run has its default there. `size` has the values that "auto" got; asking for such a
+/// value is no difference.
 std::string DescribeDifference(const nlohmann::json& saved, const RunOptions& now, const nlohmann::json& size = {});
 
-/// True when nothing that shapes the result differs but --iterations, of which there are more now.
+/// True when --iterations, of which there are more now, is the only difference that shapes the result.
 bool AsksForMoreIterations(const SavedRun& saved, const RunOptions& now);
 
-/// --iterations of a saved run, also of one that had them automatic; 0 where it does not say.
+/// --iterations of a saved run, or their automatic value; 0 where it has none.
 int64_t IterationsOf(const SavedRun& saved);
 
-/// A JSON file of a run. Throws InputError naming it.
+/// Reads a JSON file of a run. Throws InputError naming it.
 nlohmann::json ReadRunJson(const std::filesystem::path& path);
 
 }  // namespace oraclegs

@@ -29,7 +29,7 @@ struct Field {
   bool (*is_sound)(const json& value);
 };
 
-/// Of any record; a record need not have them all.
+/// Fields of all records; a record need not have all of them.
 constexpr std::array kFields = {Field{"key", IsText},
                                 Field{"seconds", IsNumber},
                                 Field{"predicted_seconds", IsNumber},
@@ -56,7 +56,7 @@ constexpr std::array kFields = {Field{"key", IsText},
                                 Field{"milliseconds_per_iteration", IsObjectOrNull},
                                 Field{"test", IsObject}};
 
-/// The network that found poses; other stages name theirs in words.
+/// Checks the network that found poses; other stages record theirs as text.
 bool IsNetwork(const json& value) {
   if (!value.is_object()) return value.is_null() || value.is_string();
   const auto has = [&](const char* name, bool (*is_sound)(const json&)) {

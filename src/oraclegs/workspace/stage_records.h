@@ -1,5 +1,5 @@
 #pragma once
-// stages.json: what each finished stage left to remember.
+// stages.json: the records of finished stages.
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -9,15 +9,15 @@
 namespace oraclegs {
 
 struct StageRecords {
-  nlohmann::json by_stage = nlohmann::json::object();  ///< sound records alone: who reads them need not check types
+  nlohmann::json by_stage = nlohmann::json::object();  ///< sound records only: readers need not check types
   std::vector<std::string> damaged;                    ///< names of the others
-  bool is_readable = true;                             ///< false: the file is there and is no such file
+  bool is_readable = true;                             ///< false = the file exists and is not in this format
 };
 
-/// What stages.json of a workspace holds; nothing where there is none.
+/// Records in stages.json of a workspace; empty without the file.
 StageRecords InspectStageRecords(const std::filesystem::path& workspace);
 
-/// Its sound records alone.
+/// Sound records of stages.json.
 nlohmann::json ReadStageRecords(const std::filesystem::path& workspace);
 
 }  // namespace oraclegs

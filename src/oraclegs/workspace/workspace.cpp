@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Everything a run may leave at the top of its folder; --overwrite removes these and nothing else.
+// All names that a run may leave at the top of its folder; --overwrite removes these and nothing else.
 constexpr const char* kOwnNames[] = {
     "options.json",      "split.json", "stages.json", "metrics.json",   "sfm",         "point_cloud.ply",
     "checkpoints",       "renders",    "depth",       "exposures.json", "proposals",   "confidence",
@@ -32,7 +32,7 @@ fs::path Canonical(const fs::path& path) {
   return out.has_filename() ? out : out.parent_path();  // "dir/" and "dir" are one folder
 }
 
-// A killed run can leave its lock and a temporary file before its first real one; they stand in nobody's way.
+// A killed run can leave its lock and a temporary file before its first real file; these two do not count.
 bool HoldsAnything(const fs::path& dir) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(dir, error)) {
@@ -42,7 +42,7 @@ bool HoldsAnything(const fs::path& dir) {
 }
 
 void RemoveRun(const fs::path& dir) {
-  // options.json goes last: as long as it stands, the folder is recognized as ours.
+  // options.json is removed last: while it exists, the folder is recognized as ours.
   for (const char* name : kOwnNames) {
     if (std::string_view(name) == "options.json") continue;
     std::error_code error;
@@ -52,25 +52,25 @@ void RemoveRun(const fs::path& dir) {
   fs::remove(dir / "options.json");
 }
 
-/// The text that JSON can hold: bytes that are not UTF-8 are replaced.
+/// Path as text for JSON: bytes that are not UTF-8 are replaced.
 std::string JsonText(const fs::path& path) {
   const auto replace = nlohmann::json::error_handler_t::replace;
   return nlohmann::json::parse(nlohmann::json(path.string()).dump(-1, ' ', false, replace)).get<std::string>();
 }
 
-/// To its end, and can train on: the last checkpoint is there.
+/// True when training has finished and its last checkpoint exists, so that it can be continued.
 bool HasTrained(const WorkspacePaths& paths) {
   return ReadStageRecords(paths.root()).contains("train") && HoldsAnything(paths.checkpoints());
 }
 
-/// --iterations that the run in `dir` was begun with, when it is continued with more; 0 = it is not.
+/// --iterations that the run in `dir` was started with, when it is continued with more; 0 = it is not.
 int64_t StartIterations(const fs::path& dir, const RunOptions& now) {
   const SavedRun saved = ReadSavedRun(dir);
   if (saved.start_iterations > 0) return saved.start_iterations;
   return AsksForMoreIterations(saved, now) ? IterationsOf(saved) : 0;
 }
 
-/// The scene of a run in messages: its folder, or what was imported.
+/// Text for messages: the scene's folder, or the imported paths.
 std::string SourceText(const std::string& scene, const std::vector<std::string>& inputs) {
   std::vector<std::string> names;
   for (const std::string& input : inputs) names.push_back(OneLine(input));
@@ -102,8 +102,7 @@ void RefuseForeignFolder(const fs::path& dir, const fs::path& scene, const std::
         dir.string(), SourceText(saved.scene.string(), saved.inputs), SourceText(scene.string(), inputs));
   }
   const std::string difference = DescribeDifference(saved.options, options, saved.size);
-  // Nothing is lost by other options as long as there is nothing but structure from motion, which checks its own
-  // inputs.
+  // Other options lose nothing while there is only structure from motion, which checks its own inputs.
   const bool goes_on = may_train_on && AsksForMoreIterations(saved, options) && HasTrained(WorkspacePaths(dir));
   if (!difference.empty() && !goes_on && HasResults(WorkspacePaths(dir))) {
     throw InputError(
@@ -125,7 +124,7 @@ void RequireOutside(const fs::path& dir, const fs::path& folder, const char* wha
                    what, folder.string());
 }
 
-/// Also after its files were removed alone, as `rm -r` does first.
+/// Throws RunError when the folder was removed, even when only its files were: `rm -r` removes them first.
 void RequireThere(const FolderLock& lock, const fs::path& dir) {
   std::error_code ignored;
   if (lock.IsStillThere() && fs::exists(WorkspacePaths(dir).options(), ignored)) return;
@@ -198,7 +197,7 @@ Workspace Workspace::Claim(const fs::path& dir, const fs::path& scene_root, cons
   if (!start_anew) RefuseForeignFolder(dir, scene, inputs, options, details.may_train_on);
   Workspace workspace(dir);
   if (start_anew) {
-    ReadSavedRun(dir);  // throws when the file of that name is somebody else's
+    ReadSavedRun(dir);  // throws when the file is of another program
     RemoveRun(dir);
   }
   nlohmann::json json = {{"program", "oraclegs"},

@@ -28,11 +28,11 @@ using nlohmann::json;
 
 constexpr char kBenchJson[] = "bench.json", kBenchMarkdown[] = "bench.md", kBenchLatex[] = "bench.tex",
                kBenchCsv[] = "bench.csv";
-// Children of a call that was killed may take seconds to end, and hold its lock until then.
+// Children of a call that was killed may take seconds to end and hold its lock meanwhile.
 constexpr std::chrono::seconds kLockPatience{15};
 constexpr char kViewsPlot[] = "bench-views.svg", kTimePlot[] = "bench-time.svg", kBenchRuns[] = "runs";
 
-/// "... error: what happened" of the program's last line is "what happened".
+/// Cause in the program's last line: "what happened" of "... error: what happened".
 std::string Reason(const std::string& why) {
   constexpr std::string_view kError = "oraclegs: error: ";
   return why.starts_with(kError) ? why.substr(kError.size()) : why;
@@ -73,7 +73,7 @@ class Bench {
   }
 
  private:
-  /// Refuses what is somebody else's, then makes the folder.
+  /// Makes the folder; refuses one that holds anything else.
   static fs::path Claim(const BenchRequest& request, const BenchPlan& plan) {
     for (const SceneCheck& check : plan.checks) RequireOutsideScene(request.out, check.scene.path);
     RequireSeriesFolder(request.out, {"benchmark",
@@ -115,11 +115,11 @@ class Bench {
     return fs::absolute(plan_.checks[plan_.runs[r].check].scene.path).lexically_normal().string();
   }
 
-  /// Of a run that an earlier call did or began.
+  /// Reads the state of a run that an earlier call did or began.
   void FindState(size_t r) {
     if (!CanRun(r)) return;
     const std::optional<RunRecord> record = ReadRunRecord(Workspace(r));
-    if (!record) return;  // if there are results nevertheless, the run itself finds them, or refuses them
+    if (!record) return;  // the run itself finds results without a record, or refuses them
     RequireSameRun(r, *record);
     if (ReadScore(Workspace(r), &report_.runs[r])) AddRecord(r, *record);
   }
@@ -135,7 +135,7 @@ class Bench {
         Workspace(r).string(), difference);
   }
 
-  /// To the score of a run that is done.
+  /// Adds a run's record to its score.
   void AddRecord(size_t r, const RunRecord& record) {
     BenchScore& score = report_.runs[r];
     score.version = record.version;
@@ -144,7 +144,7 @@ class Bench {
     if (record.result.seconds > 0) known_seconds_[plan_.runs[r].method] = record.result.seconds;
   }
 
-  /// Those that are neither done nor tried in this call.
+  /// Runs that are neither done nor tried in this call.
   std::vector<size_t> Pending() const {
     std::vector<size_t> pending;
     for (size_t r = 0; r < plan_.runs.size(); ++r) {
@@ -157,7 +157,7 @@ class Bench {
     return plan_.runs[a].check == plan_.runs[b].check && plan_.runs[a].seed == plan_.runs[b].seed;
   }
 
-  /// Whose geometry a run may use.
+  /// Workspaces whose geometry a run may copy.
   std::vector<fs::path> Donors(size_t r) const {
     std::vector<fs::path> donors;
     for (size_t other = 0; other < plan_.runs.size(); ++other) {
@@ -175,8 +175,8 @@ class Bench {
     });
   }
 
-  /// Of the runs that share geometry the first, or the first that computes all of it, where none of them has what they
-  /// need yet; runs that wait for nobody; not those that do.
+  /// Runs that can start now. One of the runs that share geometry computes it, the first that needs depth or else the
+  /// first; the others wait for it.
   std::vector<size_t> Leaders(const std::vector<size_t>& pending) const {
     std::vector<size_t> leaders;
     for (const size_t r : pending) {
@@ -212,12 +212,12 @@ class Bench {
         jobs, [&](size_t job, const JobResult& result) { Take(run_of_job[job], result); }, listener_);
   }
 
-  /// Records what is about to run, and gives it the geometry that another run has. False where that failed.
+  /// Records the run and copies geometry that another run has. False on failure.
   bool Prepare(size_t r) {
     const BenchRun& run = plan_.runs[r];
     WriteRunRecord(Workspace(r), {SceneOf(r), ResultArguments(run.arguments), request_.version, false, {}});
     try {
-      // A task of an earlier call may still be at it; the launcher finds it, and its workspace is its own.
+      // A task of an earlier call may still be running; the launcher finds it, and its workspace is its own.
       if (IsFolderLocked(Workspace(r)) || HasBegun(WorkspacePaths(Workspace(r)))) return true;
       const std::vector<fs::path> donors = Donors(r);
       if (donors.empty()) return true;
@@ -233,8 +233,8 @@ class Bench {
     }
   }
 
-  /// Geometry is not taken over then, and what the run itself said of its options and size stands: it knows better,
-  /// with the networks it found and the photos it read.
+  /// True when the run itself has written results. Its geometry and its record of options and size are kept then: it
+  /// knows the networks it found and the photos it read.
   static bool HasBegun(const WorkspacePaths& paths) {
     std::error_code ignored;
     return fs::exists(paths.sfm(), ignored) || fs::exists(paths.depth(), ignored) || HasResults(paths);
@@ -246,13 +246,13 @@ class Bench {
     listener_(Warning{fmt::format("{} failed: {}", plan_.runs[r].name, why)});
   }
 
-  /// A job of the launcher has ended.
+  /// Records the end of a job.
   void Take(size_t r, const JobResult& result) {
     RunRecord record{SceneOf(r), ResultArguments(plan_.runs[r].arguments), request_.version, true, result};
     WriteRunRecord(Workspace(r), record);
     if (ReadScore(Workspace(r), &report_.runs[r])) {
       AddRecord(r, record);
-      std::error_code ignored;  // gigabytes, and of no more use
+      std::error_code ignored;  // gigabytes that nothing reads any more
       fs::remove_all(WorkspacePaths(Workspace(r)).checkpoints(), ignored);
     } else if (result.end == JobEnd::kCancelled) {
       listener_(Warning{fmt::format("{} was cancelled; the same command runs it again", plan_.runs[r].name)});
@@ -293,7 +293,7 @@ class Bench {
     if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
   }
 
-  /// Where runs of an earlier call were made by another version of this program.
+  /// Adds a note when different versions of this program made the runs.
   void NoteVersions() {
     const std::string* first = nullptr;
     for (const BenchScore& run : report_.runs) {
@@ -305,7 +305,7 @@ class Bench {
     }
   }
 
-  /// Where LPIPS is not what the papers of a suite score.
+  /// Adds a note when LPIPS is not the one that papers score.
   void NoteLpips() {
     for (const BenchScore& run : report_.runs) {
       if (run.lpips.empty() || run.lpips.starts_with(kSuiteLpips)) continue;
@@ -342,8 +342,8 @@ class Bench {
   const Listener& listener_;
   FolderLock lock_;
   BenchReport report_;
-  std::vector<double> known_seconds_;  ///< that a run of each method took, 0 = not known
-  std::vector<size_t> tried_;          ///< in this call
+  std::vector<double> known_seconds_;  ///< duration of the last run of each method; 0 = not known
+  std::vector<size_t> tried_;          ///< runs tried in this call
 };
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Another machine of a cluster may let go of a lock a little after its task has ended.
+// Another machine of a cluster may release a lock a little after its task has ended.
 constexpr std::chrono::seconds kWorkspacePatience{2};
 
 void RequireIdle(const fs::path& workspace) {
@@ -25,7 +25,7 @@ void RequireIdle(const fs::path& workspace) {
                  workspace.string(), lock.holder());
 }
 
-/// A file or a whole folder; nothing happens where neither is there.
+/// Removes a file or a whole folder, if it exists.
 void Remove(const fs::path& path) {
   std::error_code error;
   fs::remove_all(path, error);

@@ -16,7 +16,7 @@ std::string RunName(const BenchPlan& plan, const BenchRun& run) {
                      check.views > 0 ? std::to_string(check.views) : "all", plan.methods[run.method].name, run.seed);
 }
 
-/// Suite, then the method's usual, then the user's, then what makes the method.
+/// Options of a run. Later ones win: the suite's, the method's usual ones, the user's, those that make the method.
 RunArguments ArgumentsOf(const BenchRequest& request, const BenchPlan& plan, const BenchRun& run) {
   const SuiteSettings method = plan.methods[run.method].For(plan.suite.name);
   RunArguments arguments = Overlaid(plan.suite.protocol(plan.checks[run.check].views), method.usual);
@@ -30,7 +30,7 @@ std::string QuotedWords(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(quoted, " "));
 }
 
-/// "paper-blender-8"; "" where there is none.
+/// "paper-blender-8"; "" without such a preset.
 std::string PresetOf(const Suite& suite, int views) {
   const size_t at = suite.preset.find("{}");
   const bool is_published = std::find(suite.views.begin(), suite.views.end(), views) != suite.views.end();
@@ -63,7 +63,7 @@ BenchPlan PlanBench(const BenchRequest& request) {
       for (size_t m = 0; m < plan.methods.size(); ++m) {
         BenchRun run{.check = c, .method = m, .seed = seed};
         run.name = RunName(plan, run), run.arguments = ArgumentsOf(request, plan, run);
-        OptionsOf(run.arguments);  // or what does not fit is said now
+        OptionsOf(run.arguments);  // reports values that do not fit now
         plan.runs.push_back(std::move(run));
       }
     }
@@ -81,7 +81,7 @@ std::vector<std::string> CommandOf(const BenchRequest& request, const BenchPlan&
                                     WorkspaceOf(request, run).string()};
   const std::vector<std::string> options = ArgumentWords(run.arguments);
   words.insert(words.end(), options.begin(), options.end());
-  // A dataset is scored with its own poses, whatever a check says of them.
+  // A dataset is scored with its own poses, even where a check doubts them.
   if (!FindArgument(run.arguments, "force")) words.emplace_back("--force");
   return words;
 }

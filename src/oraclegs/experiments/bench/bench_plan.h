@@ -1,5 +1,5 @@
 #pragma once
-// All runs of a benchmark, before any is started.
+// Plan of a benchmark: all runs, before any is started.
 
 #include <cstdint>
 #include <filesystem>
@@ -47,20 +47,20 @@ struct BenchOptions {
 
 struct BenchRequest {
   BenchOptions options;
-  RunArguments asked;  ///< options of all runs, as the user gave them; those of a method win
+  RunArguments asked;  ///< options of all runs, as the user gave them; a method's own options win
   uint64_t first_seed = 0;
   std::filesystem::path out;
   bool overwrite = false;
-  std::string command;            ///< as it was typed, for the report
-  std::string version;            ///< of the program, with its commit
-  std::filesystem::path program;  ///< what runs `reconstruct`
+  std::string command;            ///< as typed, for the report
+  std::string version;            ///< version and commit of the program
+  std::filesystem::path program;  ///< executable whose `reconstruct` it runs
   int workers = 1;                ///< runs at once; 0 = not known, as in a cluster's queue
 };
 
 struct BenchRun {
-  size_t check = 0, method = 0;  ///< indices into the plan's
+  size_t check = 0, method = 0;  ///< indices into BenchPlan
   uint64_t seed = 0;
-  std::string name = {};        ///< SUITE-SCENE-VIEWS-METHOD-seedS: of its workspace, too
+  std::string name = {};        ///< SUITE-SCENE-VIEWS-METHOD-seedS; also the name of its workspace
   RunArguments arguments = {};  ///< with --seed
 };
 
@@ -70,20 +70,20 @@ struct BenchPlan {
   std::vector<uint64_t> seeds;
   std::vector<int> views;
   std::vector<SceneCheck> checks;  ///< scene by scene, for each number of views
-  std::vector<BenchRun> runs;      ///< also of scenes that cannot be run
-  bool keeps_protocol = false;     ///< of a named suite
+  std::vector<BenchRun> runs;      ///< includes scenes that cannot be run
+  bool keeps_protocol = false;     ///< true for a named suite whose protocol no option changes
 };
 
 /// Reads all scenes. Throws UsageError for an unknown suite, method or number of views, or a list of training images
-/// for several numbers of views, InputError when no scene is there or none can be run (the first problem).
+/// for several numbers of views; InputError, with the first problem, when no scene exists or none can be run.
 BenchPlan PlanBench(const BenchRequest& request);
 
 std::filesystem::path WorkspaceOf(const BenchRequest& request, const BenchRun& run);
 
-/// argv of a run.
+/// Command line (argv) of a run.
 std::vector<std::string> CommandOf(const BenchRequest& request, const BenchPlan& plan, const BenchRun& run);
 
-/// What --dry-run prints: protocol, images and sizes, LPIPS, and the commands as a shell reads them.
+/// Output of --dry-run: protocol, images and sizes, LPIPS, and the commands quoted for a shell.
 std::string PlanText(const BenchRequest& request, const BenchPlan& plan);
 
 }  // namespace oraclegs

@@ -13,7 +13,7 @@ namespace {
 
 constexpr char kPsnrTitle[] = "test PSNR, dB (mean over scenes)";
 
-/// The x of a mean; nothing where it has no such number.
+/// Lines of the means over all scenes. place(row) is the x of a mean, nullopt = not drawn.
 template <class PlaceOf>
 std::vector<ChartLine> LinesOf(const BenchReport& report, const PlaceOf& place) {
   const std::vector<BenchRow> rows = BenchRows(report);
@@ -32,7 +32,7 @@ std::vector<ChartLine> LinesOf(const BenchReport& report, const PlaceOf& place) 
   return lines;
 }
 
-/// Of the runs of a row with all views their mean number.
+/// Number of training views of a row; a row with all views has the mean over its runs.
 std::optional<double> ViewsIn(const BenchReport& report, const BenchRow& row) {
   if (row.views > 0) return row.views;
   double sum = 0, count = 0;
@@ -61,7 +61,7 @@ PlaceRange RangeOf(const std::vector<ChartLine>& lines) {
   return range;
 }
 
-/// Times that people count in, as many as their texts have room for.
+/// Round times for an axis, as many as their texts have room for.
 std::vector<ChartTick> TimeTicks(double low, double high) {
   constexpr size_t kMaxTicks = 7;
   constexpr double kSeconds = 1, kMinutes = 60, kHours = 3600;
@@ -105,7 +105,7 @@ std::string PsnrOverTime(const BenchReport& report) {
   });
   const PlaceRange range = RangeOf(chart.lines);
   if (!range.any) return ChartSvg({.x_title = chart.x_title, .y_title = chart.y_title});
-  constexpr double kRoom = 1.5;  // beside the points, so that a round time lies on either side of most
+  constexpr double kRoom = 1.5;  // space beside the points, so that most have a round time on either side
   chart.x_low = range.low / kRoom, chart.x_high = range.high * kRoom;
   chart.ticks = TimeTicks(chart.x_low, chart.x_high);
   return ChartSvg(chart);

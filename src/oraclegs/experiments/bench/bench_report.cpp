@@ -31,13 +31,13 @@ std::string GaussiansCell(const BenchRow& row) {
   return count ? fmt::format("{:.0f}", count->mean) : "-";
 }
 
-/// Of the columns after the scores.
+/// Cells of the columns after the scores.
 std::vector<std::string> CostCells(const BenchRow& row) {
   return {TimeCell(row, BenchValue::kSeconds), TimeCell(row, BenchValue::kCpuSeconds), MemoryCell(row),
           GaussiansCell(row)};
 }
 
-/// What is quoted has the digits that are printed there.
+/// Cell of a score. A quoted score keeps the digits that its source prints.
 std::string CellOf(const BenchRow& row, BenchValue value) {
   const auto& spread = row.value[IndexOf(value)];
   if (row.source.empty() || !spread || value == BenchValue::kPsnr) return ScoreCell(spread, value);
@@ -102,7 +102,7 @@ std::string WinsLine(const BenchReport& report, int views) {
   return text;
 }
 
-/// Failures of runs beside which others of their row have scores.
+/// Failures of runs in rows that have scores of other runs.
 std::vector<std::string> PartialFailures(const BenchReport& report, const std::vector<BenchRow>& rows) {
   std::vector<std::string> lines;
   for (const BenchScore& run : report.runs) {
@@ -118,7 +118,7 @@ std::vector<std::string> PartialFailures(const BenchReport& report, const std::v
   return lines;
 }
 
-/// A text that stays within its cell and is no markup.
+/// Escapes text so that it stays within its cell and is no markup.
 std::string InMarkdown(const std::string& text) {
   std::string cell;
   for (const char c : text) {
@@ -177,7 +177,7 @@ std::string LatexRow(const BenchRow& row) {
   return text + " \\\\\n";
 }
 
-/// What the published numbers are, once for each source.
+/// Explanation of the published numbers, once for each source.
 std::vector<std::string> SourceLines(const std::vector<BenchRow>& rows) {
   std::vector<std::string> lines;
   for (const BenchRow& row : rows) {

@@ -1,5 +1,5 @@
 #pragma once
-// The tables of a benchmark as text, Markdown, LaTeX, JSON and CSV. The rows are BenchRows'.
+// Tables of a benchmark as text, Markdown, LaTeX, JSON and CSV, with the rows of BenchRows.
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -8,19 +8,20 @@
 
 namespace oraclegs {
 
-/// For each number of views a table with a line for each scene and method, the means, and a line for each failure.
+/// Text with a table for each number of views: a line for each scene and method, the means, and a line for each
+/// failure.
 std::string BenchText(const BenchReport& report);
 
-/// A document with a heading, the plots (bench-views.svg, bench-time.svg), the tables, best scores in bold, and notes.
+/// Document with a heading, the plots (bench-views.svg, bench-time.svg), the tables, best scores in bold, and notes.
 std::string BenchMarkdown(const BenchReport& report);
 
-/// For each number of views a table for the package booktabs, best scores in bold.
+/// Table for each number of views, for the package booktabs, best scores in bold.
 std::string BenchLatex(const BenchReport& report);
 
-/// Everything, each run and each row; what there is none of is null.
+/// JSON with every run and every row; missing values are null.
 nlohmann::json BenchToJson(const BenchReport& report);
 
-/// A line for each row, with a head; what there is none of is empty.
+/// Header and a line for each row; missing values are empty.
 std::string BenchCsv(const BenchReport& report);
 
 }  // namespace oraclegs

@@ -9,7 +9,7 @@ namespace {
 
 using Values = std::array<std::optional<Spread>, kBenchValues>;
 
-/// The scored runs of a method in one scene.
+/// Scored runs of a method in one scene.
 std::vector<const BenchScore*> ScoredRuns(const BenchReport& report, const BenchRow& row) {
   std::vector<const BenchScore*> runs;
   for (const BenchScore& run : report.runs) {
@@ -20,7 +20,7 @@ std::vector<const BenchScore*> ScoredRuns(const BenchReport& report, const Bench
   return runs;
 }
 
-/// Each version of the program once.
+/// Adds each version of the program that is not in the list.
 void AddVersions(const std::vector<const BenchScore*>& runs, std::vector<std::string>* versions) {
   for (const BenchScore* run : runs) {
     const bool is_new = std::find(versions->begin(), versions->end(), run->version) == versions->end();
@@ -28,7 +28,7 @@ void AddVersions(const std::vector<const BenchScore*>& runs, std::vector<std::st
   }
 }
 
-/// None where one has none.
+/// Mean of a value; nullopt where a run has none.
 std::optional<double> MeanValue(const std::vector<const BenchScore*>& runs, size_t v) {
   double sum = 0;
   for (const BenchScore* run : runs) {
@@ -64,8 +64,8 @@ BenchRow SceneRow(const BenchReport& report, int views, const std::string& scene
   return row;
 }
 
-/// Over the scenes that have scores: of each seed that all of these have, or, where there is none, of each scene's
-/// mean.
+/// Mean over the scenes that have scores, for each seed that all of these have. Without such a seed it is the mean of
+/// the scenes' means, without a deviation.
 BenchRow MeanRow(const BenchReport& report, int views, const BenchMethod& method) {
   BenchRow row{.views = views, .method = method.name, .label = method.label};
   row.of = report.scenes.size();
@@ -99,13 +99,13 @@ BenchRow MeanRow(const BenchReport& report, int views, const BenchMethod& method
     }
     row.value[v] = SpreadOf(values);
     if (!by_seed.empty() || !row.value[v]) continue;
-    row.value[v]->deviation.reset();  // that would be between scenes
+    row.value[v]->deviation.reset();  // it would be the deviation between scenes
   }
   return row;
 }
 
-/// Marks the best of rows of one scene or of the means; nothing where only one has scores. What is printed alike is
-/// alike.
+/// Marks the best scores among the rows of one scene or of the means; scores that print alike are equally good. Marks
+/// nothing where only one row has scores.
 void MarkBest(std::vector<BenchRow>::iterator begin, std::vector<BenchRow>::iterator end) {
   for (size_t v = 0; v < kBenchScores; ++v) {
     const auto value = static_cast<BenchValue>(v);

@@ -8,7 +8,7 @@
 namespace oraclegs {
 namespace {
 
-/// Rates and terms of 3DGS and of the programs built on it, where this program's own differ.
+/// Rates and terms of 3DGS and the programs built on it, where this program's own differ.
 RunArguments Plain3dgs() {
   return {{"proposers", "none"},    {"depth-prior", "stereo"}, {"depth-weight", "0"},
           {"alpha-weight", "0"},    {"opacity-noise", "0"},    {"dropout", "0"},
@@ -18,7 +18,7 @@ RunArguments Plain3dgs() {
           {"init-planes", "false"}, {"sh-moments", "full"},    {"frame", "scene"}};
 }
 
-/// With adaptive density control, which works on a CPU alone.
+/// Settings of methods with adaptive density control, which works on a CPU only.
 RunArguments Adaptive() {
   return Overlaid(Plain3dgs(), {{"device", "cpu"},
                                 {"densify", "adaptive"},
@@ -30,17 +30,17 @@ RunArguments Adaptive() {
                                 {"init-opacity", "0.1"}});
 }
 
-/// What the programs of FSGS, CoR-GS and DropGaussian have in common for few photos: fewer clones, until the end, and
-/// nothing is too large.
+/// Settings that the programs of FSGS, CoR-GS and DropGaussian share for few photos: fewer clones, densification until
+/// the end, no size pruning.
 RunArguments ForFewPhotos() {
   return Overlaid(Adaptive(), {{"densify-gradient", "0.0005"}, {"refine-stop", "1"}, {"keep-large", "true"}});
 }
 
-/// The start of the methods for few photos: theirs are COLMAP's dense points, these are stereo's, of the training views
-/// alone in both cases.
+/// Start of the methods for few photos. They use COLMAP's dense points, this program stereo's; both see the training
+/// views only.
 RunArguments FromDensePoints(const std::string& iterations) { return {{"iterations", iterations}, {"init", "dense"}}; }
 
-/// What DNGaussian has on LLFF and DTU.
+/// Settings of DNGaussian on LLFF and DTU.
 RunArguments DnGaussianOfPhotos() {
   return {{"depth-step-every", "1"}, {"densify-opacity", "0.1"}, {"prune-opacity", "0.01"}};
 }
@@ -59,7 +59,7 @@ const std::vector<Method>& Methods() {
       {"ours-no-proposals", "OracleGS without proposals", "", {{"proposers", "none"}}, {}, ""},
       {"3dgs", "3DGS", "Kerbl 2023", Adaptive(), FromDensePoints("10000"), ""},
       {"3dgs-mcmc", "3DGS-MCMC", "Kheradmand 2024", Plain3dgs(), FromDensePoints("10000"), ""},
-      // As its authors train without points, and as the OracleGS paper's ablation begins.
+      // The authors' training without points; the OracleGS paper's ablation begins with it.
       {"3dgs-mcmc-random",
        "3DGS-MCMC, random start",
        "Kheradmand 2024",

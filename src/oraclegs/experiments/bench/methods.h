@@ -1,5 +1,5 @@
 #pragma once
-// What a benchmark compares: settings of `oraclegs reconstruct` with names.
+// Methods that a benchmark compares: named settings of `oraclegs reconstruct`.
 
 #include <map>
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace oraclegs {
 
-/// Over a method's own.
+/// Settings for one suite, which win over the method's own.
 struct SuiteSettings {
   RunArguments options;
   RunArguments usual = {};
@@ -19,21 +19,21 @@ struct Method {
   std::string name;      ///< for --methods and folders
   std::string label;     ///< for tables
   std::string citation;  ///< a key of docs/references.md, or "" for this program's own
-  RunArguments options;  ///< make the method what it is: win over the suite's and the user's
+  RunArguments options;  ///< make the method what it is; win over the suite's and the user's
   RunArguments usual;    ///< win over the suite's, but not over the user's
-  std::string needs;     ///< what must be there for it, for people; "" = nothing
-  /// By the names of suites: what its authors set otherwise on these datasets.
+  std::string needs;     ///< requirements of the method, for people; "" = none
+  /// Settings of its authors for these datasets, by the names of suites.
   std::map<std::string, SuiteSettings> of_suites = {};
 
-  /// `options` and `usual`, with those of a suite over them where it has such.
+  /// `options` and `usual`, overlaid with those for the suite.
   SuiteSettings For(const std::string& suite) const;
 };
 
-/// To add one, add a row.
+/// A new method is a new row.
 const std::vector<Method>& Methods();
 
-/// The methods that a list joined by commas names, each once, in its order. Throws UsageError that lists those there
-/// are, with the nearest word.
+/// Methods in a list joined by commas, each once, in its order. Throws UsageError that lists the known methods, with
+/// the nearest word.
 std::vector<Method> FindMethods(const std::string& list);
 
 }  // namespace oraclegs

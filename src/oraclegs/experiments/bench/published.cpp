@@ -9,10 +9,10 @@ namespace {
 
 constexpr auto kNoScore = std::nullopt;
 
-/// One table: the same split, a quarter of the size, and baselines that its authors ran or quote there. What it has of
-/// FSGS is its PSNR.
+/// Table with our split, a quarter of the size, and baselines that its authors ran or quote. It has the PSNR of FSGS
+/// only.
 const char* const kMip = "[Topaloglu 2026], table of Mip-NeRF 360";
-/// The same split and size.
+/// Table with our split and size.
 const char* const kMipOfFsgs = "[Zhu 2024], table 2, a quarter of the size";
 const char* const kBlender = "[Topaloglu 2026], table of Blender";
 const char* const kBlenderOfFsgs = "[Zhu 2024], table 3";
@@ -20,10 +20,10 @@ const char* const kBlenderOfCorGs = "[Zhang 2024], table 4";  // 3DGS from dense
 const char* const kLlff = "[Zhang 2024], table 1";
 const char* const kDtu = "[Zhang 2024], table 3, objects alone";
 
-/// A row of a table with several numbers of views.
+/// Row of a table with several numbers of views.
 struct Row {
   const char *method, *label, *source;
-  std::array<double, 3> psnr, ssim, lpips;  // of 3, 6 and 9 views
+  std::array<double, 3> psnr, ssim, lpips;  // for 3, 6 and 9 views
 };
 
 const Row kLlffRows[] = {

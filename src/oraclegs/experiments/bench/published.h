@@ -1,5 +1,5 @@
 #pragma once
-// Scores that papers print, to stand beside ours.
+// Scores that papers print, for comparison with ours.
 
 #include <optional>
 #include <string>
@@ -11,13 +11,13 @@ namespace oraclegs {
 struct PublishedScore {
   std::string suite;
   int views = 0;
-  std::string method;  ///< as methods.h names it, also of one that is not there
+  std::string method;  ///< as in methods.h; may be a method that is not there
   std::string label;
   std::optional<double> psnr, ssim, lpips;  ///< dB; [0, 1]; VGG16
-  std::string source;                       ///< where it is printed, with a key of docs/references.md
+  std::string source;                       ///< paper and table, with a key of docs/references.md
 };
 
-/// Those of a suite and a number of training views; none where none is known.
+/// Scores for a suite and a number of training views; empty where none is known.
 std::vector<PublishedScore> PublishedFor(const std::string& suite, int views);
 
 }  // namespace oraclegs

@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-/// The names of options that are flags.
+/// Names of options that are flags.
 const std::set<std::string>& Flags() {
   static const std::set<std::string> flags = [] {
     std::set<std::string> names;

@@ -1,5 +1,5 @@
 #pragma once
-// Options of a run as they are typed: what suites, methods and users ask for, and the command line made of it.
+// Options of a run as typed text: from suites, methods and users, and as a command line.
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -13,24 +13,24 @@ namespace oraclegs {
 /// {name without dashes, value}, each name once. A flag's value is "" or "true" for on, "false" for off.
 using RunArguments = std::vector<std::pair<std::string, std::string>>;
 
-/// Null when it is not there.
+/// Value of an option; null when it is not in the list.
 const std::string* FindArgument(const RunArguments& arguments, const std::string& name);
 const std::string* FindArgument(RunArguments&& arguments, const std::string& name) = delete;
 
-/// `below` with the values of `above` in place of its own.
+/// `below`, with the values of `above` replacing its own.
 RunArguments Overlaid(RunArguments below, const RunArguments& above);
 
-/// {"--views", "12", "--no-report"}
+/// Command line words: {"--views", "12", "--no-report"}.
 std::vector<std::string> ArgumentWords(const RunArguments& arguments);
 
-/// All other options have their defaults. Throws UsageError for an option that does not exist, or a value that does not
-/// fit.
+/// Options of a run; options that are not in the list have their defaults. Throws UsageError for an option that does
+/// not exist or a value that does not fit.
 RunOptions OptionsOf(const RunArguments& arguments);
 
-/// {name: value} of those that may change the result: without the machine's, checkpoints and the report.
+/// {name: value} of the options that may change the result: without the machine's, checkpoints and the report.
 nlohmann::json ResultArguments(const RunArguments& arguments);
 
-/// "--iterations was 100, now is 200; --views was not given, now is 12"; "" of equal ones.
+/// "--iterations was 100, now is 200; --views was not given, now is 12"; "" when they are equal.
 std::string DifferenceOf(const nlohmann::json& before, const nlohmann::json& now);
 
 }  // namespace oraclegs

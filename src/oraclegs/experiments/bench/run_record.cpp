@@ -15,7 +15,7 @@ using nlohmann::json;
 
 constexpr uint64_t kMaxBytes = 64 << 20;
 
-/// Discarded where it cannot be had.
+/// Content of a JSON file; a discarded value when it cannot be read.
 json ReadJsonFile(const fs::path& file) {
   try {
     return ParseJsonOrDiscard(ReadFile(file, kMaxBytes));
@@ -29,7 +29,7 @@ std::optional<double> NumberIn(const json& object, const char* name) {
   return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
 }
 
-/// From photos to the trained model.
+/// Wall time from photos to the trained model, seconds.
 double SecondsOf(const json& metrics) {
   double seconds = 0;
   const json stages = metrics.value("stages", json::object());
@@ -39,7 +39,7 @@ double SecondsOf(const json& metrics) {
   return seconds;
 }
 
-/// The same of processor time; nothing where a stage has none.
+/// Processor time from photos to the trained model, seconds; nullopt where a stage has none.
 std::optional<double> CpuSecondsOf(const json& metrics) {
   double seconds = 0;
   const json stages = metrics.value("stages", json::object());
@@ -54,7 +54,7 @@ std::optional<double> CpuSecondsOf(const json& metrics) {
 
 fs::path Beside(const fs::path& workspace, const char* extension) {
   fs::path file = workspace;
-  return file += extension;  // the name of a scene may hold dots
+  return file += extension;  // replace_extension would not do: the name of a scene may contain dots
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ void RequireSize(const Suite& suite, const SceneCheck& check) {
                                        : fmt::format("{} to {}", suite.min_side, suite.max_side));
 }
 
-/// A run would refuse it, too, but hours later.
+/// Throws InputError where smaller copies of images are missing. The run would find that only hours later.
 void RequireCopies(const Scene& scene, const std::vector<int>& views, const ImageOptions& options) {
   const int downscale = options.downscale.ValueOr(1);
   if (options.smaller_copies != SmallerCopies::kRequired || downscale == 1) return;
@@ -62,7 +62,7 @@ void RequireCopies(const Scene& scene, const std::vector<int>& views, const Imag
   }
 }
 
-/// Fills in what the protocol takes. Throws InputError.
+/// Fills in the images and the size that the protocol uses. Throws InputError.
 void Take(const Suite& suite, const Scene& scene, const RunArguments& asked, SceneCheck* check) {
   const RunOptions options = OptionsOf(Overlaid(suite.protocol(check->views), asked));
   const Split split = SplitViews(scene, WithListsRead(options.split));

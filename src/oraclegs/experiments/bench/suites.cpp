@@ -27,7 +27,7 @@ std::string BlenderTest() {
   return list;
 }
 
-// Positions of the images of a scan of 49 [Niemeyer 2022]: the first 3, 6 or 9 train.
+// Positions of the images of a scan of 49 [Niemeyer 2022]; the first 3, 6 or 9 train.
 constexpr int kDtuTrain[] = {25, 22, 28, 40, 44, 48, 0, 8, 13};
 constexpr int kDtuTest[] = {1,  2,  9,  10, 11, 12, 14, 15, 23, 24, 26, 27, 29,
                             30, 31, 32, 33, 34, 35, 41, 42, 43, 45, 46, 47};
@@ -57,7 +57,7 @@ RunArguments Dtu(int views) {
           {"downscale", "4"}};
 }
 
-/// Blender scenes have test views of their own, and pass over --test-every.
+/// Protocol of a folder of scenes. Blender scenes have test views of their own and ignore --test-every.
 RunArguments OfFolder(int views) { return {{"views", std::to_string(views)}, {"test-every", "8"}}; }
 
 std::vector<std::string> SuiteNames() {
@@ -222,7 +222,7 @@ bool KeepsProtocol(const Suite& suite, const std::vector<int>& views, const RunA
 void RequireOneList(const Suite& suite, const std::vector<int>& views, const RunArguments& asked) {
   if (views.size() < 2 || !FindArgument(asked, "train-views")) return;
   const RunArguments protocol = suite.protocol(views.front());
-  if (FindArgument(protocol, "views")) return;  // which picks that many of the list
+  if (FindArgument(protocol, "views")) return;  // the protocol picks that many of the list
   throw UsageError(
       "--train-views (a --preset may set it) fixes the images that train, so runs of {} views would be the same; name "
       "one number with --views, or leave the list or the preset out",

@@ -1,5 +1,5 @@
 #pragma once
-// Where the runs of a suite happen: each is a child process, on this machine or on a cluster's.
+// Launchers of a suite's runs: each run is a child process, on this machine or on a cluster's.
 
 #include <cstdint>
 #include <filesystem>
@@ -15,12 +15,12 @@ namespace oraclegs {
 struct Job {
   std::string name;                  ///< for messages, unique among the jobs
   std::vector<std::string> command;  ///< argv; no shell sees it
-  std::filesystem::path log;         ///< its output is appended to it
+  std::filesystem::path log;         ///< its output is appended to this file
 };
 
 enum class JobEnd {
   kDone,         ///< exit code 0
-  kFailed,       ///< another one, or the program could not be started
+  kFailed,       ///< another exit code, or the program could not be started
   kOutOfMemory,  ///< the kernel or the cluster ended it for its memory
   kOutOfTime,    ///< the cluster ended it at its time limit
   kCancelled,    ///< somebody ended it; it may be run again
@@ -29,18 +29,18 @@ enum class JobEnd {
 struct JobResult {
   JobEnd end = JobEnd::kDone;
   int exit_code = 0;
-  double seconds = 0;      ///< of wall time
+  double seconds = 0;      ///< wall time
   int64_t peak_bytes = 0;  ///< resident; 0 = not known
-  std::string why;         ///< one line for people; "" where it is done
+  std::string why;         ///< one line for people; "" for kDone
 };
 
 class Launcher {
  public:
   virtual ~Launcher() = default;
 
-  /// Runs all jobs, some at once, and calls `ended` from this thread as each ends, in any order. A job that fails is
-  /// a result, not an exception. Throws Interrupted after ending what runs, RunError where nothing can be started at
-  /// all (there is no such cluster), and what `ended` throws.
+  /// Runs all jobs, some at once, and calls `ended` from this thread as each ends, in any order. A job that fails is a
+  /// result, not an exception. Throws Interrupted after ending the running jobs, RunError when nothing can be started
+  /// at all (there is no such cluster), and the exceptions of `ended`.
   virtual void Run(const std::vector<Job>& jobs, const std::function<void(size_t job, const JobResult& result)>& ended,
                    const Listener& listener) = 0;
 };

@@ -29,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kPollInterval{20};
 constexpr int64_t kTailBytes = 4096;
 
-/// Processes that the kernel has ended for their memory since it started; -1 where it does not say.
+/// Number of processes that the kernel has ended for their memory since it started; -1 = not known.
 int64_t KernelKills() {
   std::ifstream counters("/proc/vmstat");
   std::string name;
@@ -39,7 +39,7 @@ int64_t KernelKills() {
   return -1;
 }
 
-/// The last line that is not blank of what was written from `begin` on.
+/// Last line that is not blank in the log from byte `begin` on.
 std::string LastLine(const fs::path& log, int64_t begin) {
   std::ifstream file(log, std::ios::binary);
   file.seekg(0, std::ios::end);
@@ -53,11 +53,11 @@ std::string LastLine(const fs::path& log, int64_t begin) {
   return OneLine(newline == std::string::npos ? tail : tail.substr(newline + 1));
 }
 
-/// The log of a job, open to be appended to.
+/// Log of a job, open for appending.
 class JobLog {
  public:
   explicit JobLog(fs::path path) : path_(std::move(path)) {
-    std::error_code ignored;  // opening it says the same
+    std::error_code ignored;  // opening the file reports the fault
     fs::create_directories(path_.parent_path(), ignored);
     file_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
     if (file_ < 0) problem_ = fmt::format("{}: cannot write: {}", path_.string(), SystemReason(errno));
@@ -80,7 +80,7 @@ class JobLog {
   std::string problem_;
 };
 
-/// One that runs. Ends with the object.
+/// A running job, which ends with the object.
 class RunningJob {
  public:
   RunningJob(size_t number, size_t worker, const Job& job, const std::string& gpu)
@@ -98,7 +98,7 @@ class RunningJob {
   size_t worker() const { return worker_; }
   bool HasEnded() const { return !group_ || group_->HasEnded(); }
 
-  /// Of one that has ended.
+  /// Result of a job that has ended.
   JobResult Result() {
     JobResult result;
     result.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
@@ -117,7 +117,8 @@ class RunningJob {
   }
 
  private:
-  /// Where the kernel does not count, a job that took more than was left after it is the likeliest reason.
+  /// True when memory is the likely reason for a kill. Without the kernel's count: when the job took more than half of
+  /// what is free after it.
   bool MemoryWasShort(int64_t peak_bytes) const {
     const int64_t kills = KernelKills();
     if (kills >= 0 && kernel_kills_ >= 0) return kills > kernel_kills_;

@@ -1,5 +1,5 @@
 #pragma once
-// Jobs as child processes of this one, on this machine.
+// Launcher of jobs as child processes on this machine.
 
 #include <string>
 #include <string_view>
@@ -10,12 +10,12 @@
 namespace oraclegs {
 
 struct LocalWorkers {
-  int count = 1;                       ///< jobs at once, from 1
-  std::vector<std::string> gpus = {};  ///< CUDA_VISIBLE_DEVICES of the workers, in turn; empty = as it is
+  int count = 1;                       ///< jobs at once, at least 1
+  std::vector<std::string> gpus = {};  ///< CUDA_VISIBLE_DEVICES of the workers, in turn; empty = unchanged
 };
 
-/// Jobs run in process groups of their own and end when this process does, however it ends. Peak memory is that of the
-/// largest process of a job, and at least that of this process when the job began.
+/// Runs jobs in process groups of their own, which end when this process does, however it ends. Peak memory is that of
+/// the largest process of a job, and at least that of this process when the job began.
 class LocalLauncher : public Launcher {
  public:
   explicit LocalLauncher(LocalWorkers workers) : workers_(std::move(workers)) {}
@@ -27,8 +27,8 @@ class LocalLauncher : public Launcher {
   LocalWorkers workers_;
 };
 
-/// What an exit code (process_group.h's convention) says. memory_was_short: the kernel ended a process for its memory
-/// meanwhile; last_line: of the job's output.
+/// Classifies an exit code (process_group.h's convention). memory_was_short: the kernel has ended a process for its
+/// memory meanwhile; last_line: last line of the job's output.
 JobEnd EndOfChild(int exit_code, bool memory_was_short, std::string_view last_line);
 
 }  // namespace oraclegs

@@ -1,5 +1,5 @@
 #pragma once
-// The launchers there are, by their names.
+// Launchers by their names.
 
 #include <memory>
 #include <string>
@@ -20,20 +20,20 @@ struct EnumWords<LauncherKind> {
 
 struct LaunchOptions {
   Auto<int> workers = {};       ///< jobs at once; auto = one for each GPU, else one
-  std::string device = "auto";  ///< of the jobs, as ChooseDevice reads it
+  std::string device = "auto";  ///< device of the jobs, as ChooseDevice reads it
   SlurmOptions slurm = {};
-  std::filesystem::path slurm_folder = {};  ///< what MakeSlurmLauncher keeps
+  std::filesystem::path slurm_folder = {};  ///< folder of MakeSlurmLauncher's files
 };
 
-/// Throws UsageError for a device that cannot be had.
+/// Throws UsageError for a device that does not exist.
 std::unique_ptr<Launcher> MakeLauncher(LauncherKind kind, const LaunchOptions& options);
 
-/// Jobs at once of MakeLauncher's local launcher. Throws UsageError for a device that cannot be had, where the number
-/// depends on it.
+/// Number of jobs at once of MakeLauncher's local launcher. Throws UsageError for a device that does not exist, where
+/// the number depends on it.
 int LocalWorkerCount(const LaunchOptions& options);
 
-/// Workers for jobs on such a device, of a machine with these GPUs: each has one GPU where any will do. `visible` is
-/// the value of CUDA_VISIBLE_DEVICES, "" = not set.
+/// Workers of a machine with these GPUs, for jobs on such a device. Each worker has one GPU where any will do.
+/// `visible` is the value of CUDA_VISIBLE_DEVICES, "" = not set.
 LocalWorkers WorkersFor(const LaunchOptions& options, const DeviceSupport& support, const std::string& visible);
 
 }  // namespace oraclegs

@@ -6,7 +6,7 @@ namespace oraclegs {
 
 SlurmArrays PlanSlurmArrays(size_t waiting, size_t running, size_t limit) {
   if (limit > 0) {
-    // Each array runs one task at least.
+    // Each array runs at least one task.
     const size_t room = running > 0 ? limit - std::min(limit, running) : limit * kMaxSlurmArray;
     waiting = std::min(waiting, room);
   }

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-// Slurm kills what does not end by itself after KillWait, 30 s unless the cluster's is another.
+// Slurm kills tasks that do not end by themselves after KillWait, 30 s by default.
 constexpr std::chrono::minutes kCancelPatience(3);
 constexpr std::chrono::milliseconds kFirstPause(50), kLongestPause(2000);
 
@@ -28,7 +28,7 @@ bool MayRun(const SlurmRecord& record) {
   });
 }
 
-/// Whether the record has the array, or one whose number it does not know.
+/// True when the record has this array, or an array whose number it does not know.
 bool MayHave(const SlurmRecord& record, const std::string& array) {
   return std::any_of(record.submissions.begin(), record.submissions.end(),
                      [&](const auto& submission) { return submission.array.empty() || submission.array == array; });
@@ -57,7 +57,7 @@ void CancelOpenSlurmTasks(const fs::path& folder, const Listener& listener) {
   const SlurmRecord record = ReadSlurmRecord(folder);
   if (!MayRun(record)) return;
   RequireSlurm();
-  const FolderLock lock(folder, std::chrono::seconds(5));  // the programs of a process that was killed end first
+  const FolderLock lock(folder, std::chrono::seconds(5));  // programs of a killed process may still be ending
   if (lock.state() == FolderLock::State::kHeldByAnother) {
     throw RunError("{}: {} follows these jobs; wait for it or end it", folder.string(), lock.holder());
   }

@@ -23,12 +23,12 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 using Ended = std::function<void(size_t job, const JobResult& result)>;
 
-/// What this process knows of a job.
+/// State of a job in this process.
 struct Tracked {
-  bool ended = false;                                  ///< and reported
-  int attempt = 0;                                     ///< of the task that runs, or of the next one
-  std::optional<std::pair<size_t, size_t>> task = {};  ///< submission and place in it, until it has ended
-  bool usable = true;                                  ///< false: it runs an old command, whose result is of no use
+  bool ended = false;                                  ///< ended and reported
+  int attempt = 0;                                     ///< number of the running task, or of the next one
+  std::optional<std::pair<size_t, size_t>> task = {};  ///< submission and place in it, while the task has not ended
+  bool usable = true;                                  ///< false: it runs an old command, whose result is useless
   int looks = 0;                                       ///< SlurmEvidence::looks
 };
 
@@ -73,8 +73,8 @@ class SlurmRun {
   }
   void Save() { WriteSlurmRecord(folder_, record_); }
 
-  /// Where sbatch did not answer, or this process died while it ran, the array may be there all the same. It can only
-  /// be the last one.
+  /// Looks for the array of the last submission, whose number is unknown when sbatch did not answer or this process
+  /// died while it ran. Only the last submission can be in that state.
   void FindLostArray() {
     if (record_.submissions.empty() || !record_.submissions.back().array.empty()) return;
     SlurmRecord::Submission& lost = record_.submissions.back();
@@ -94,7 +94,8 @@ class SlurmRun {
     Save();
   }
 
-  /// Takes over what the record has of jobs that run nowhere; what runs an old command is cancelled. Returns how many.
+  /// Takes over open tasks of the record for jobs that have none, and cancels those with an old command. Returns their
+  /// number.
   size_t Adopt() {
     std::map<std::string, std::pair<size_t, size_t>> open;
     for (size_t s = 0; s < record_.submissions.size(); ++s) {
@@ -189,7 +190,7 @@ class SlurmRun {
       evidence[j].looks = tracked_[j].looks;
       const auto found = queue.find(IdOf(tracked_[j]));
       if (found != queue.end()) evidence[j].queue = found->second;
-      // Nothing more is to be expected of what an earlier process gave up.
+      // A task that an earlier process cancelled will not report any more.
       if (found == queue.end() && TaskOf(tracked_[j]).cancelled) evidence[j].looks = kSlurmFileLooks;
       if (found != queue.end() && !found->second.reason.empty()) ReportReason(found->second.reason);
       if (HasEndedInSlurm(evidence[j])) arrays.insert(record_.submissions[s].array);
@@ -210,7 +211,7 @@ class SlurmRun {
     }
   }
 
-  /// Of a job with a task: its log, or where the batch script says why there is none.
+  /// Output of a job with a task: its log, or the file in which the batch script says why there is none.
   fs::path OutputOf(size_t j) const {
     const auto& [s, t] = *tracked_[j].task;
     std::error_code ignored;
@@ -222,7 +223,7 @@ class SlurmRun {
   void TakeEnd(size_t j, const JobResult& result, const Ended& ended) {
     Tracked& tracked = tracked_[j];
     SlurmRecord::Task& task = TaskOf(tracked);
-    const bool given_up = task.cancelled && result.end != JobEnd::kDone;  // by an earlier process
+    const bool given_up = task.cancelled && result.end != JobEnd::kDone;  // cancelled by an earlier process
     if (tracked.usable && !given_up) {
       if (IsWorthAnotherTry(result) && tracked.attempt < options_.retries) {
         ++tracked.attempt;
@@ -233,7 +234,7 @@ class SlurmRun {
         Report(j, result, ended);
       }
     }
-    // After the report: when this process dies before, the next one reports the end again, instead of never.
+    // After the report: when this process dies in between, the next one reports the end again, instead of never.
     task.open = false, tracked.task.reset(), tracked.looks = 0;
     Save();
   }
@@ -247,7 +248,7 @@ class SlurmRun {
     }
   }
 
-  /// What holds the whole array up, once.
+  /// Warns once of an unusual reason that holds the whole array up.
   void ReportReason(const std::string& reason) {
     static const std::set<std::string> kUsual = {"Priority",        "Resources",   "JobArrayTaskLimit", "BeginTime",
                                                  "Prolog",          "Cleaning",    "Dependency",        "Licenses",
@@ -258,11 +259,11 @@ class SlurmRun {
     }
   }
 
-  /// Returns "array 12" or "arrays 12 and 14", "" when nothing was left to cancel. Does not throw: something else is
-  /// being said.
+  /// Cancels all tasks. Returns "array 12" or "arrays 12 and 14", "" when nothing was left to cancel. Does not throw,
+  /// since the caller is about to report another error.
   std::string CancelAll() {
     const bool asked = InterruptRequested();
-    RequestInterrupt(false);  // scancel, too, would be ended by it
+    RequestInterrupt(false);  // otherwise it would end scancel, too
     std::vector<SlurmTaskId> tasks;
     std::set<std::string> arrays;
     try {
@@ -285,8 +286,8 @@ class SlurmRun {
     return fmt::format("array{} {}", arrays.size() == 1 ? "" : "s", fmt::join(arrays, ", "));
   }
 
-  /// False when a Slurm program fails, which is waited for where jobs run already. failing_since: of this program; an
-  /// answer of another one does not fix it.
+  /// Runs a step. Returns false when a Slurm program fails while jobs run: it is tried again later. failing_since
+  /// belongs to that program; an answer of another one does not reset it.
   template <class Step>
   bool Try(std::optional<Clock::time_point>& failing_since, Step&& step) {
     try {
@@ -335,7 +336,7 @@ class SlurmLauncher : public Launcher {
     if (jobs.empty()) return;
     RequireSlurm();
     RequireWritableFolder(folder_);
-    const FolderLock lock(folder_, std::chrono::seconds(5));  // the programs of a head that was killed end first
+    const FolderLock lock(folder_, std::chrono::seconds(5));  // programs of a killed process may still be ending
     if (lock.state() == FolderLock::State::kHeldByAnother) {
       throw RunError("{}: {} follows these jobs; wait for it or end it", folder_.string(), lock.holder());
     }

@@ -7,7 +7,7 @@
 
 namespace oraclegs {
 
-/// What a task asks Slurm for. Nothing is asked for where a text is empty or a number is 0: the cluster decides.
+/// Resources that a task asks Slurm for. An empty text or 0 leaves the choice to the cluster.
 struct SlurmOptions {
   std::string partition;
   std::string time;
@@ -44,7 +44,7 @@ struct SlurmOptions {
   }
 };
 
-/// The arguments of sbatch that ask for them.
+/// Arguments of sbatch for these options.
 std::vector<std::string> SbatchArguments(const SlurmOptions& options);
 
 }  // namespace oraclegs

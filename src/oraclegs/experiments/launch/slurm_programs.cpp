@@ -17,7 +17,7 @@
 namespace oraclegs {
 namespace {
 
-/// The programs have limits of their own, some of minutes; a cluster under load is slow, not gone.
+/// Limit for one call. The programs have limits of their own, some of minutes; a cluster under load is slow, not gone.
 constexpr std::chrono::duration<double> kProgramLimit(300);
 
 std::vector<std::string> LinesOf(const std::string& text) {
@@ -47,7 +47,7 @@ std::optional<Number> NumberOf(std::string_view text) {
   return number;
 }
 
-/// "123_4" or "123_4.batch"; nothing for tasks that wait together ("123_[5-9]") and for jobs that are no arrays.
+/// Task of "123_4" or "123_4.batch"; nullopt for tasks that wait together ("123_[5-9]") and for jobs without an array.
 std::optional<SlurmTaskId> TaskOf(const std::string& job) {
   const size_t line = job.find('_');
   if (line == std::string::npos || !IsSlurmNumber(job.substr(0, line))) return std::nullopt;
@@ -56,7 +56,7 @@ std::optional<SlurmTaskId> TaskOf(const std::string& job) {
   return SlurmTaskId{job.substr(0, line), *index};
 }
 
-/// "123456K", "1.5G" in bytes; 0 when it says nothing.
+/// Bytes of "123456K" or "1.5G"; 0 for other text.
 int64_t BytesOf(const std::string& text) {
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -66,7 +66,7 @@ int64_t BytesOf(const std::string& text) {
   return static_cast<int64_t>(number * static_cast<double>(int64_t{1} << (10 * power)));
 }
 
-/// "1:0", "0:9": exit code and signal.
+/// Exit code of "1:0", 128 + signal of "0:9".
 std::optional<int> ExitCodeOf(const std::string& text) {
   const size_t colon = text.find(':');
   if (colon == std::string::npos) return std::nullopt;
@@ -76,7 +76,7 @@ std::optional<int> ExitCodeOf(const std::string& text) {
   return *signal > 0 ? 128 + *signal : *code;
 }
 
-/// `all` gets the whole output; the tail that ProcessResult has is too short for a thousand tasks.
+/// Runs a Slurm program. `all` receives the whole output; the tail in ProcessResult is too short for a thousand tasks.
 ProcessResult RunSlurm(std::vector<std::string> argv, const std::string& cluster, std::string* all = nullptr) {
   if (!cluster.empty()) argv.insert(argv.begin() + 1, "--clusters=" + cluster);
   ProcessRequest request{.argv = std::move(argv), .time_limit = kProgramLimit, .errors_apart = true};
@@ -84,7 +84,7 @@ ProcessResult RunSlurm(std::vector<std::string> argv, const std::string& cluster
   return RunProcess(request);
 }
 
-/// What a Slurm program said when it failed, without its own name and log level.
+/// Error text of a failed Slurm program, without its name and log level.
 std::string ReasonOf(const ProcessResult& result) {
   if (result.timed_out) return fmt::format("no answer in {:.0f} s", kProgramLimit.count());
   if (result.last_error.empty()) return fmt::format("exit code {}", result.exit_code);
@@ -207,7 +207,7 @@ void CancelInSlurm(const std::string& name, std::vector<SlurmTaskId> tasks, cons
       argv.push_back(fmt::format("{}_{}", tasks[t].array, tasks[t].index));
     }
     const ProcessResult result = RunSlurm(std::move(argv), cluster);
-    // It fails also where a task has ended meanwhile; that shows in the queue, which the caller looks at anyway.
+    // scancel also fails when a task has ended meanwhile; the caller sees that in the queue.
     const bool ended = result.output.find("Invalid job id") != std::string::npos ||
                        result.output.find("already completing or completed") != std::string::npos;
     if (result.exit_code != 0 && !ended) throw RunError("scancel does not work: {}", ReasonOf(result));

@@ -21,8 +21,8 @@ constexpr char kFile[] = "slurm.json";
 constexpr std::string_view kNamePrefix = "oraclegs-";
 constexpr size_t kNameDigits = 16;
 
-/// Jobs are found, and cancelled, by what a record says, which somebody else may have written: names that no user gives
-/// a job, numbers, and folders below the record's.
+/// True when names, numbers and folders have the form that this program writes. Jobs are found and cancelled by a
+/// record, which somebody else may have written.
 bool IsSound(const SlurmRecord& record) {
   const std::string_view name = record.name;
   if (!name.starts_with(kNamePrefix) || name.size() != kNamePrefix.size() + kNameDigits) return false;

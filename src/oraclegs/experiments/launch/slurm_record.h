@@ -1,5 +1,5 @@
 #pragma once
-// What a launcher remembers of the arrays that it submitted, so that the next process finds them again.
+// Record of the submitted arrays, by which the next process finds them again.
 
 #include <filesystem>
 #include <optional>
@@ -13,35 +13,35 @@ namespace oraclegs {
 
 struct SlurmRecord {
   struct Task {
-    std::string job;         ///< its name
-    std::string command;     ///< its digest
-    int attempt = 0;         ///< how often the job was submitted before
-    bool open = true;        ///< until its end was reported, or the job was submitted again
+    std::string job;         ///< name of the job
+    std::string command;     ///< SlurmCommandDigest of the job
+    int attempt = 0;         ///< number of earlier submissions of the job
+    bool open = true;        ///< until its end is reported or the job is submitted again
     bool cancelled = false;  ///< scancel was called for it
     bool operator==(const Task&) const = default;
   };
   struct Submission {
-    std::string array;   ///< its number; "" while sbatch runs, or when this process died meanwhile
-    std::string folder;  ///< below that of the record
+    std::string array;   ///< number of the array; "" while sbatch runs, or when this process died meanwhile
+    std::string folder;  ///< folder below the record's
     std::vector<Task> tasks;
     bool operator==(const Submission&) const = default;
   };
 
-  std::string name;  ///< of all its jobs in Slurm, "oraclegs-" and 16 hexadecimal digits; no other record has it
+  std::string name;  ///< name of all its jobs in Slurm: "oraclegs-" and 16 hexadecimal digits, unique to this record
   std::string cluster;
   std::vector<Submission> submissions;
 
   bool operator==(const SlurmRecord&) const = default;
 };
 
-/// Of a command: the same for the same words.
+/// Digest of a command, equal for equal words.
 std::string SlurmCommandDigest(const Job& job);
 
-/// Whether folder/slurm.json is there.
+/// True when folder/slurm.json exists.
 bool HasSlurmRecord(const std::filesystem::path& folder);
 
-/// That of folder/slurm.json, or a new one with a name of its own. Throws InputError when the file is damaged, or names
-/// jobs and folders as this program does not.
+/// Record in folder/slurm.json, or a new one with a new name. Throws InputError when the file is damaged, or names jobs
+/// and folders in another form than this program.
 SlurmRecord ReadSlurmRecord(const std::filesystem::path& folder);
 
 /// Throws RunError.

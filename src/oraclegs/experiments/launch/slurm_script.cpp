@@ -15,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// After the line that sets `folder`. bash 4.3 and coreutils are all that it needs. What a command leaves running ends
-/// with the task, since Slurm ends all processes of a job.
+/// Script after the line that sets `folder`. It needs bash 4.3 and coreutils only. Processes that a command leaves
+/// running end with the task, since Slurm ends all processes of a job.
 constexpr const char* kScript = R"(task=$SLURM_ARRAY_TASK_ID
 source "$folder/$task.sh"  # sets log, directory and the positional parameters: the command
 
@@ -118,7 +118,7 @@ std::string TaskFile(const Job& job) {
 void WriteSlurmTasks(const fs::path& folder, const std::vector<Job>& jobs) {
   for (size_t task = 0; task < jobs.size(); ++task) {
     WriteFileAtomically(folder / fmt::format("{}.sh", task), TaskFile(jobs[task]));
-    std::error_code ignored;  // the job's own output says it better
+    std::error_code ignored;  // the job's own output reports it better
     fs::create_directories(fs::absolute(jobs[task].log).parent_path(), ignored);
   }
   WriteFileAtomically(folder / "batch.sh", Script(folder));
@@ -150,7 +150,7 @@ std::string ArrayOfStartedTasks(const fs::path& folder) {
       const std::vector<std::string> words = SplitTrimmed(ReadFile(entry.path(), 4096), '\n');
       if (!words.empty() && IsSlurmNumber(words.front())) return words.front();
     } catch (const InputError&) {
-      continue;  // another one will say it
+      continue;  // another task's file may say it
     }
   }
   return "";

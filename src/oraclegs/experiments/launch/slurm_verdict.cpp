@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kKilled = kKilledBySignal + SIGKILL, kToldToEnd = kKilledBySignal + SIGTERM;
 
-/// The queue is never behind; the accounts are written later, and remember longer.
+/// State of a task. The queue is never behind; the accounts are written later and remember longer.
 std::optional<SlurmState> StateOf(const SlurmEvidence& evidence) {
   if (evidence.queue) return evidence.queue->state;
   if (evidence.accounts) return evidence.accounts->state;
@@ -37,7 +37,7 @@ JobResult Failure(int exit_code, const std::filesystem::path& log) {
   return result;
 }
 
-/// Of a task that has ended in this state.
+/// Result of a task that has ended in this state.
 JobResult ResultOf(SlurmState state, int exit_code, const std::filesystem::path& log) {
   switch (state) {
     case SlurmState::kOutOfMemory:
@@ -71,7 +71,7 @@ bool HasEndedInSlurm(const SlurmEvidence& evidence) {
 
 std::optional<JobResult> SlurmVerdict(const SlurmEvidence& evidence, const std::filesystem::path& log) {
   const std::optional<SlurmTaskEnd>& file = evidence.file;
-  const bool done = file && file->exit_code == 0;  // its results are whole, whatever became of the rest
+  const bool done = file && file->exit_code == 0;  // its results are complete, whatever happened to the rest
   if (!HasEndedInSlurm(evidence) && (!done || evidence.looks < kSlurmFileLooks)) return std::nullopt;
   std::optional<SlurmState> state = StateOf(evidence);
   if (state == SlurmState::kActive) state.reset();  // the accounts are behind
@@ -88,7 +88,7 @@ std::optional<JobResult> SlurmVerdict(const SlurmEvidence& evidence, const std::
     result = ResultOf(*state, exit_code, log);
   } else if (file && !(file->asked_to_end && exit_code != 0)) {
     result = Failure(exit_code, log);
-  } else {  // squeue has forgotten it, and nobody keeps accounts
+  } else {  // squeue has forgotten it, and there are no accounts
     result = {.end = JobEnd::kCancelled,
               .exit_code = file ? exit_code : kToldToEnd,
               .why = file ? "Slurm ended it" : "Slurm does not know it any more"};

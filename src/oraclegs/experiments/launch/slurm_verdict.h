@@ -1,5 +1,5 @@
 #pragma once
-// What became of a task, of what the queue, the accounts and the task's own files say of it.
+// Outcome of a task, from the queue, the accounts and the task's own files.
 
 #include <filesystem>
 #include <optional>
@@ -11,23 +11,23 @@
 namespace oraclegs {
 
 struct SlurmEvidence {
-  std::optional<SlurmTaskState> queue;     ///< nothing: squeue does not list the task (any more)
-  std::optional<SlurmTaskState> accounts;  ///< nothing: sacct does not know it, or there is none
-  std::optional<SlurmTaskEnd> file;        ///< nothing: the script has not written how it ended (yet)
-  int looks = 0;                           ///< before this one that saw it ended by the one and not by the other
+  std::optional<SlurmTaskState> queue;     ///< nullopt: squeue does not list the task (any more)
+  std::optional<SlurmTaskState> accounts;  ///< nullopt: sacct does not know it, or there is no sacct
+  std::optional<SlurmTaskEnd> file;        ///< nullopt: the script has not written its end (yet)
+  int looks = 0;  ///< number of earlier looks that saw its end in one source and not in the other
 };
 
-/// How many looks a shared file system is given to show a file that another machine has written, and Slurm to notice
-/// the end of a script.
+/// Number of looks after which a shared file system should show a file that another machine has written, and Slurm
+/// should have noticed the end of a script.
 inline constexpr int kSlurmFileLooks = 3;
 
-/// Whether Slurm, not only the script, says that the task has ended, or does not list it any more.
+/// True when Slurm, not only the script, reports that the task has ended, or does not list it any more.
 bool HasEndedInSlurm(const SlurmEvidence& evidence);
 
-/// Nothing while it runs, or while the next look may know more. `why` names `log` where it has the reason.
+/// nullopt while it runs, or while the next look may know more. `why` names `log` where the log has the reason.
 std::optional<JobResult> SlurmVerdict(const SlurmEvidence& evidence, const std::filesystem::path& log);
 
-/// Whether running the job again may end otherwise.
+/// True when running the job again may end otherwise.
 bool IsWorthAnotherTry(const JobResult& result);
 
 }  // namespace oraclegs

@@ -59,7 +59,7 @@ Tensor Attend(const Tensor& q, const Tensor& k, const Tensor& v, int64_t max_sco
 
 Tensor MeanAttention(const Tensor& q, const Tensor& k, int64_t max_scores) {
   RequireFit("MeanAttention", q.dim() == 3 && k.dim() == 3 && q.size(0) == k.size(0) && q.size(2) == k.size(2), q, k);
-  const Autocast exact(q.device(), std::nullopt);  // maps are read off it
+  const Autocast exact(q.device(), std::nullopt);  // the oracle's maps are read from these scores
   const int64_t heads = q.size(0), queries = q.size(1), keys = k.size(1);
   if (heads == 0 || queries == 0) throw ShapeError("MeanAttention: there are no queries to take the mean of");
   const Tensor sum = at::zeros({keys}, q.options().dtype(torch::kDouble));

@@ -11,8 +11,8 @@ namespace oraclegs {
 /// device. The softmax is in float32 whatever the type. Throws ShapeError.
 Tensor Attend(const Tensor& q, const Tensor& k, const Tensor& v, int64_t max_scores = 0);
 
-/// The mean over heads and queries of softmax(q k^T / sqrt(width)): how much attention each key gets. q [heads, Q,
-/// width], k [heads, N, width] -> [N] float32, computed in float32 and summed in float64. Throws ShapeError.
+/// Mean over heads and queries of softmax(q k^T / sqrt(width)): how much attention each key gets. q [heads, Q, width],
+/// k [heads, N, width] -> [N] float32, computed in float32 and summed in float64. Throws ShapeError.
 Tensor MeanAttention(const Tensor& q, const Tensor& k, int64_t max_scores = 0);
 
 }  // namespace oraclegs

@@ -11,9 +11,9 @@ namespace oraclegs {
 /// float16 where `device` is a GPU; bfloat16 on a CPU, which has no fast float16.
 torch::ScalarType HalfTypeOf(torch::Device device);
 
-/// As long as it lives, matrix products, convolutions and attention on `device` that this thread asks for compute in
-/// `products`; norms, softmax and sums stay as they are. Without a type, they compute in their inputs' own type,
-/// whatever an outer scope says.
+/// While it lives, matrix products, convolutions and attention that this thread runs on `device` compute in `products`;
+/// norms, softmax and sums are unaffected. Without a type, each operation computes in the type of its inputs, whatever
+/// an outer scope says.
 class Autocast {
  public:
   Autocast(torch::Device device, std::optional<torch::ScalarType> products);

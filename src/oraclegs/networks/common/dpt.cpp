@@ -9,8 +9,8 @@ namespace oraclegs {
 namespace {
 
 constexpr int64_t kLastWidth = 32;       // channels before the last convolution
-constexpr int64_t kViewsOnGpu = 8;       // at a time
-constexpr double kEmbeddingScale = 0.1;  // of the grid embeddings
+constexpr int64_t kViewsOnGpu = 8;       // views that go through the head together
+constexpr double kEmbeddingScale = 0.1;  // factor on the grid embeddings
 
 ResidualUnit LoadUnit(const ParameterScope& at, int64_t features) {
   return {LoadConv(at / "conv1", {features, features}), LoadConv(at / "conv2", {features, features})};
@@ -46,7 +46,7 @@ void Embed(Tensor& map, const DptHead& head, const PatchGrid& grid) {
   map.add_(embedding.to(map.options()), kEmbeddingScale);
 }
 
-/// The map of features that layer i contributes.
+/// Feature map made from the tokens of layer i.
 Tensor LayerMap(const DptHead& head, const Tensor& tokens, int64_t i, const PatchGrid& grid) {
   const size_t layer = static_cast<size_t>(i);
   Tensor x = tokens.to(head.projects[0].weight.options());

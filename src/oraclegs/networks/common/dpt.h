@@ -9,7 +9,7 @@
 
 namespace oraclegs {
 
-/// Where the two networks that have this head differ.
+/// Differences between the two networks that have this head.
 enum class DptStyle {
   kDepthAnything,  ///< a residual unit adds its input; the last fusion's side unit is in the file but never used
   kVggt,           ///< one norm for the tokens, grid embeddings; a residual unit adds its *rectified* input
@@ -17,19 +17,19 @@ enum class DptStyle {
 
 struct DptConfig {
   DptStyle style = DptStyle::kDepthAnything;
-  int64_t width = 384;  ///< of the tokens
+  int64_t width = 384;  ///< width of a token
   int64_t features = 64;
   std::array<int64_t, 4> channels = {48, 96, 192, 384};
   int64_t outputs = 1;
   int64_t patch = 14;      ///< side of a patch in pixels
-  double norm_eps = 1e-5;  ///< of kVggt
+  double norm_eps = 1e-5;  ///< used by kVggt only
 };
 
 struct ResidualUnit {
   Conv conv1, conv2;
 };
 
-/// One step of the way from coarse to fine.
+/// One step from coarse to fine.
 struct Fusion {
   std::optional<ResidualUnit> side;  ///< for the map that joins here
   ResidualUnit main;
@@ -53,12 +53,12 @@ struct PatchGrid {
   int64_t rows = 0, cols = 0;
 };
 
-/// The results of the four fusions, [k - 1] that of refinenet k; layers: tokens of the patches alone, from shallow to
-/// deep, each [B, rows * cols, width] (ShapeError otherwise).
+/// Results of the four fusions; entry [k - 1] is that of refinenet k. layers: patch tokens alone, from shallow to deep,
+/// each [B, rows * cols, width] (ShapeError otherwise).
 std::array<Tensor, 4> FuseLayers(const DptHead& head, const std::array<Tensor, 4>& layers, const PatchGrid& grid);
 
-/// The raw outputs [B, outputs, patch * rows, patch * cols]. Views go through one at a time on a CPU: their maps are
-/// large, and nothing is shared. Throws ShapeError.
+/// Raw outputs [B, outputs, patch * rows, patch * cols]. On a CPU views go through one at a time, since their maps are
+/// large and nothing is shared. Throws ShapeError.
 Tensor Forward(const DptHead& head, const std::array<Tensor, 4>& layers, const PatchGrid& grid);
 
 }  // namespace oraclegs

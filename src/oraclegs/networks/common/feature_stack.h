@@ -12,12 +12,12 @@ enum class FeatureNetwork { kVgg16, kAlexNet };
 
 struct FeatureStackConfig {
   FeatureNetwork network = FeatureNetwork::kVgg16;
-  std::array<int64_t, 5> channels = {64, 128, 256, 512, 512};  ///< at the taps
+  std::array<int64_t, 5> channels = {64, 128, 256, 512, 512};  ///< channels at each tap
 };
-/// As published: VGG16 64, 128, 256, 512, 512; AlexNet 64, 192, 384, 256, 256.
+/// Published widths: VGG16 64, 128, 256, 512, 512; AlexNet 64, 192, 384, 256, 256.
 FeatureStackConfig PublishedFeatures(FeatureNetwork network);
 
-/// A convolution with its ReLU, perhaps behind a max-pool.
+/// A convolution with its ReLU; a max-pool may come before it.
 struct FeatureLayer {
   Conv conv;
   bool pool_before = false;
@@ -28,18 +28,18 @@ struct FeatureStack {
   FeatureStackConfig config;
   std::vector<FeatureLayer> layers;
   int64_t pool_kernel = 2, pool_stride = 2;
-  int64_t smallest_side = 16;  ///< of an input, in pixels
+  int64_t smallest_side = 16;  ///< shorter side that an input must have, pixels
 };
-/// Names as torchvision has them: features.N.
+/// Tensor names are torchvision's: features.N.
 FeatureStack LoadFeatureStack(const ParameterScope& at, const FeatureStackConfig& config);
 
-/// What the backward pass needs of a forward pass.
+/// Activations of a forward pass that the backward pass needs.
 struct FeatureTrace {
-  std::vector<Tensor> inputs, outputs;  ///< of each convolution; outputs are rectified
-  std::vector<Tensor> pool_indices;     ///< of the pool before each convolution, or undefined
+  std::vector<Tensor> inputs, outputs;  ///< one entry a convolution; outputs are rectified
+  std::vector<Tensor> pool_indices;     ///< one entry a convolution: indices of the pool before it, or undefined
 };
 
-/// The five taps of x [B, 3, H, W], [B, C, ...] each. `trace` null: nothing is kept. Throws ShapeError.
+/// Five taps of x [B, 3, H, W], each [B, C, ...]. A null `trace` keeps nothing. Throws ShapeError.
 std::array<Tensor, 5> Features(const FeatureStack& stack, const Tensor& x, FeatureTrace* trace = nullptr);
 /// dL/dx from dL/d(tap) of the five taps.
 Tensor FeaturesBackward(const FeatureStack& stack, const FeatureTrace& trace, const std::array<Tensor, 5>& grad_taps);

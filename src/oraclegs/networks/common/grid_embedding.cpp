@@ -5,7 +5,7 @@
 namespace oraclegs {
 namespace {
 
-/// [quarter, n] sines and cosines of n places between -extent and extent.
+/// Sines and cosines, [quarter, n] each, of n places between -extent and extent.
 std::pair<Tensor, Tensor> Waves(double extent, int64_t n, const Tensor& frequencies) {
   const double last = extent * static_cast<double>(n - 1) / static_cast<double>(n);
   const Tensor places = torch::linspace(-last, last, n, torch::kFloat).to(torch::kDouble);

@@ -1,5 +1,5 @@
 #pragma once
-// The layers that all networks share: structs of tensors under their checkpoint names, and what they compute. Forward
+// Layers that all networks share: structs of tensors under their checkpoint names, and their forward passes. Forward
 // passes work in the type and on the device of the weights, and record nothing for autograd.
 
 #include "oraclegs/networks/common/parameters.h"
@@ -13,7 +13,7 @@ Linear LoadLinear(const ParameterScope& at, int64_t in, int64_t out);
 /// x [..., in] -> [..., out]
 Tensor Forward(const Linear& layer, const Tensor& x);
 
-/// Over the last axis, with biased variance.
+/// Norm over the last axis, with biased variance.
 struct LayerNorm {
   Tensor weight, bias;  ///< [width]
   double eps = 1e-5;

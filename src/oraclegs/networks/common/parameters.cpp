@@ -22,7 +22,7 @@ Tensor WithoutMemory(at::IntArrayRef shape) {
   return torch::empty(shape, torch::TensorOptions(torch::kMeta).dtype(torch::kFloat));
 }
 
-/// "; WHAT 23: a, b, ... and 3 more", or nothing.
+/// "; WHAT 23: a, b, ... and 3 more"; empty without names.
 std::string Listed(const char* what, const std::vector<std::string>& names) {
   if (names.empty()) return "";
   const size_t shown = std::min(names.size(), kListed);
@@ -32,7 +32,7 @@ std::string Listed(const char* what, const std::vector<std::string>& names) {
   return fmt::format("; {} {}: {}{}", what, names.size(), fmt::join(first, ", "), more);
 }
 
-/// The name that the network asks for, of one that a file may spell in an older way.
+/// Current name of a tensor; a file may spell it in an older way.
 std::string CurrentName(std::string name, const std::vector<std::pair<std::string, std::string>>& older_names) {
   for (const auto& [older, current] : older_names) {
     const size_t place = name.find(older);

@@ -1,7 +1,7 @@
 #pragma once
-// Where the tensors of a network come from. A network's structs are filled by functions that ask a ParameterSource for
-// one tensor after the other by its checkpoint name and shape; so one description of a network serves to load it from a
-// file, to list its names, and to make one up.
+// Sources of a network's tensors. A network's structs are filled by functions that ask a ParameterSource for one tensor
+// after the other by its checkpoint name and shape. One description of a network thus serves to load it from a file, to
+// list its names, and to make up weights.
 
 #include <filesystem>
 #include <map>
@@ -20,9 +20,9 @@ namespace oraclegs {
 class ParameterSource {
  public:
   virtual ~ParameterSource() = default;
-  /// The tensor called `name`, of this shape.
+  /// Tensor called `name`, of this shape.
   virtual Tensor Get(const std::string& name, at::IntArrayRef shape) = 0;
-  /// Says that official checkpoints hold this tensor although the network never reads it.
+  /// Notes that official checkpoints hold this tensor although the network never reads it.
   virtual void Unused(const std::string& name, at::IntArrayRef shape) = 0;
 };
 
@@ -48,10 +48,11 @@ class ParameterScope {
 
 struct CheckpointOptions {
   std::string model = "this network";  ///< its name in messages
-  std::string prefix = {};             ///< of all its names in the file; what does not begin so is ignored
+  std::string prefix = {};             ///< in front of the network's names in the file; other names are ignored
   std::vector<std::string> ignored =
-      {};  ///< beginnings of names (behind the prefix) that may be there and are not read
-  /// Parts of names as older files spell them, and as this network does; the first that is found is replaced.
+      {};  ///< beginnings of names (behind the prefix) that may be in the file and are not read
+  /// Parts of names as older files spell them, each with its spelling in this network; the first that is found is
+  /// replaced.
   std::vector<std::pair<std::string, std::string>> older_names = {};
   torch::Device device = torch::kCPU;
   /// Names that begin with `cast_prefix` become `cast_type`; all others become float32.
@@ -59,20 +60,20 @@ struct CheckpointOptions {
   std::string cast_prefix = {};
 };
 
-/// Reads safetensors files of F32, F16, BF16 or F64. Float32 for the CPU is not copied: the tensors are the mapped
-/// file, so they must not be written to, and memory is only used for what a forward pass reads.
+/// Reads safetensors files of F32, F16, BF16 or F64. Float32 on the CPU is not copied: the tensors are the mapped file.
+/// They must not be written to, and only what a forward pass reads takes memory.
 class FileParameters : public ParameterSource {
  public:
   /// Opens the files, whose names together make up one checkpoint. Throws InputError as SafetensorsFile does.
   FileParameters(const std::vector<std::filesystem::path>& paths, CheckpointOptions options);
 
-  /// A tensor that is missing or does not fit is noted, and one without memory (device meta) returned in its place. A
+  /// Notes a tensor that is missing or does not fit, and returns one without memory (device meta) in its place. A
   /// matrix may be stored as the convolution of a single pixel, [out, in, 1, 1].
   Tensor Get(const std::string& name, at::IntArrayRef shape) override;
   void Unused(const std::string& name, at::IntArrayRef shape) override;
-  /// Throws one InputError that lists what is missing, twice there, no floating-point tensor or of another shape, and
-  /// then also what is no part of the network, which alone is no error; of each kind the first twenty. To be called
-  /// when the network is filled, before it is used.
+  /// Throws one InputError that lists tensors that are missing, stored twice, not floating-point or of another shape.
+  /// It also lists tensors that the network does not have, which alone are no error. At most twenty of each kind are
+  /// named. Call it when the network is filled, before it is used.
   void Finish() const;
 
  private:
@@ -90,16 +91,16 @@ class FileParameters : public ParameterSource {
   std::vector<std::string> missing_, twice_, wrong_type_, wrong_shape_;
 };
 
-/// What files say of their tensors' shapes, to recognize by it which size of a network they hold.
+/// Shapes of the tensors in some files; they tell which size of a network the files hold.
 class StoredShapes {
  public:
   /// Throws InputError as SafetensorsFile does.
   explicit StoredShapes(const std::vector<std::filesystem::path>& paths);
 
   bool Has(const std::string& name) const;
-  /// The shape of a tensor that one of the files holds with so many dimensions, all of them positive.
+  /// Shape of a tensor; nullopt unless a file holds it with so many dimensions, all of them positive.
   std::optional<std::vector<int64_t>> Find(const std::string& name, size_t dimensions) const;
-  /// Their names, for messages.
+  /// File names, for messages.
   const std::string& files() const { return names_; }
 
  private:
@@ -118,8 +119,8 @@ class ListedParameters : public ParameterSource {
   std::map<std::string, std::vector<int64_t>> shapes_;
 };
 
-/// Makes up weights under which activations keep their size: uniform with variance 1/inputs; scales of norms near 1,
-/// other vectors near 0. For measurements and tests of full-size networks. The same for any number of threads.
+/// Makes up weights that keep the size of activations: uniform with variance 1/inputs; scales of norms near 1, other
+/// vectors near 0. For measurements and tests of full-size networks. Results do not depend on the number of threads.
 class RandomParameters : public ParameterSource {
  public:
   explicit RandomParameters(uint64_t seed) : seed_(seed) {}

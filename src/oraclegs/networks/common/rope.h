@@ -10,15 +10,15 @@ struct RopeTable {
   Tensor cos, sin;
 };
 
-/// What the positions of one view's tokens follow from.
+/// Layout of one view's tokens, from which their positions follow.
 struct RopeGrid {
   int64_t special = 0;         ///< tokens in front, at position (0, 0): not rotated
-  int64_t rows = 0, cols = 0;  ///< of patches, row-major; patch (r, c) is at (r + 1, c + 1)
+  int64_t rows = 0, cols = 0;  ///< grid of patches, row-major; patch (r, c) is at (r + 1, c + 1)
 };
 
-/// `width` of a head, a multiple of 4 (ShapeError otherwise); frequencies base^(-4 j / width).
+/// `width` is that of a head, a multiple of 4 (ShapeError otherwise); frequencies are base^(-4 j / width).
 RopeTable MakeRopeTable(const RopeGrid& grid, int64_t width, double base);
-/// The table of `views` views one after the other.
+/// Tables of `views` views, one after the other.
 RopeTable Repeat(const RopeTable& table, int64_t views);
 /// t [B, heads, tokens, width]: the first half of each vector is rotated by y, the second by x; entry j of a half pairs
 /// with entry j + width / 4.

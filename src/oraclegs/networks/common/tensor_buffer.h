@@ -9,10 +9,10 @@ namespace oraclegs {
 torch::Device ToTorch(Device device);
 Device FromTorch(const torch::Device& device);
 
-/// The buffer's numbers; they live as long as either does. Undefined for an undefined buffer.
+/// Tensor over the buffer's numbers, which live as long as either does. Undefined for an undefined buffer.
 Tensor TensorOf(const Buffer<float>& buffer);
 
-/// The tensor's numbers; of one that is not contiguous a copy. Throws ShapeError unless it is float32.
+/// Buffer over the tensor's numbers; a tensor that is not contiguous is copied. Throws ShapeError unless it is float32.
 Buffer<float> BufferOf(const Tensor& tensor);
 
 }  // namespace oraclegs

@@ -46,7 +46,7 @@ Tensor AfterAttention(const Block& block, const Tensor& x, const Tensor& attende
 Tensor Forward(const Block& block, const Tensor& x, const RopeTable* rope) {
   Tensor attended;
   {
-    const QueriesKeysValues in = AttentionInputs(block, x, rope);  // given back before the wide layer is made
+    const QueriesKeysValues in = AttentionInputs(block, x, rope);  // freed before the wide layer is made
     attended = Attend(in.q, in.k, in.v);
   }
   return AfterAttention(block, x, attended);

@@ -14,7 +14,7 @@ enum class QueryKeyNorm { kNone, kLayerNorm };
 struct BlockConfig {
   int64_t width = 0, heads = 0;
   int64_t mlp_ratio = 4;
-  double norm_eps = 1e-5;  ///< also of the norms of queries and keys
+  double norm_eps = 1e-5;  ///< also for the norms of queries and keys
   QueryKeyNorm query_key_norm = QueryKeyNorm::kNone;
 };
 
@@ -29,16 +29,16 @@ struct Block {
 /// Throws ShapeError when the heads do not divide the width.
 Block LoadBlock(const ParameterScope& at, const BlockConfig& config);
 
-/// Each [B, heads, N, width / heads]; queries and keys after norm and rotation.
+/// [B, heads, N, width / heads] each; queries and keys after norm and rotation.
 struct QueriesKeysValues {
   Tensor q, k, v;
 };
 
-/// What the attention of a block works on; x [B, N, width], rope null for none.
+/// Inputs of a block's attention; x [B, N, width], rope null for none.
 QueriesKeysValues AttentionInputs(const Block& block, const Tensor& x, const RopeTable* rope);
-/// The rest of a block behind its attention: x and the attended values [B, heads, N, width / heads] -> [B, N, width].
+/// Second half of a block: x and the attended values [B, heads, N, width / heads] -> [B, N, width].
 Tensor AfterAttention(const Block& block, const Tensor& x, const Tensor& attended);
-/// The whole block: x [B, N, width] -> [B, N, width].
+/// Whole block: x [B, N, width] -> [B, N, width].
 Tensor Forward(const Block& block, const Tensor& x, const RopeTable* rope = nullptr);
 
 }  // namespace oraclegs

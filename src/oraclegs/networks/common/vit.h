@@ -14,8 +14,8 @@ struct VitConfig {
   int64_t position_grid = 37;  ///< side of the square of stored position embeddings
   int64_t registers = 0;
   double norm_eps = 1e-6;
-  /// How positions are resampled to another grid of patches: with `position_offset` o > 0 by the factors
-  /// (rows + o) / position_grid, with 0 to the size.
+  /// Resampling of positions to another grid of patches: a `position_offset` o > 0 scales by the factors (rows + o) /
+  /// position_grid; 0 resizes to the target size.
   double position_offset = 0.1;
   bool position_antialias = false;
 };
@@ -33,14 +33,14 @@ struct Vit {
 };
 Vit LoadVit(const ParameterScope& at, const VitConfig& config);
 
-/// [1, 1 + rows * cols, width] float32: row 0 for the class token, then the grid, row-major.
+/// Position embeddings [1, 1 + rows * cols, width] float32: row 0 for the class token, then the grid, row-major.
 Tensor PositionEmbedding(const Vit& vit, int64_t rows, int64_t cols);
 
-/// What enters the first block: [B, 1 + registers + patches, width], in the order class, registers, patches.
+/// Tokens that enter the first block: [B, 1 + registers + patches, width], in the order class, registers, patches.
 /// images [B, 3, H, W] float32, normalized, sides multiples of the patch (ShapeError otherwise).
 Tensor EmbedImages(const Vit& vit, const Tensor& images);
 
-/// The tokens after each of `layers` (0-based, ascending), each through the final norm: [B, 1 + registers + patches,
+/// Tokens after each of `layers` (0-based, ascending), each through the final norm: [B, 1 + registers + patches,
 /// width]. Blocks behind the last one are not computed. Throws ShapeError.
 std::vector<Tensor> LayerTokens(const Vit& vit, const Tensor& images, const std::vector<int64_t>& layers);
 

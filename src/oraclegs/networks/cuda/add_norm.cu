@@ -1,4 +1,4 @@
-// A warp holds a row in registers: pair p of it in lane p % 32.
+// A warp holds a row in registers: lane p % 32 has pair p.
 
 #include "oraclegs/networks/cuda/add_norm.h"
 
@@ -10,7 +10,7 @@ namespace oraclegs::cuda {
 namespace {
 
 constexpr int kThreads = 256;
-constexpr int kRowsAWarp = 4;  // weights and shifts are read once for them
+constexpr int kRowsAWarp = 4;  // rows a warp handles, so that weights and shifts are read once for all
 constexpr int kRowsABlock = kRowsAWarp * kThreads / kWarp;
 
 /// sum += row; kPairs: the most pairs that a lane holds.

@@ -7,11 +7,11 @@
 
 namespace oraclegs::cuda {
 
-/// Widths that AddNorm takes: even ones up to this.
+/// Largest width that AddNorm takes; widths are even.
 inline constexpr int kAddNormWidth = 1280;
 
-/// sum = x + added + the vector of the row's group; normed = layer norm of that sum. bfloat16 as its bits, in the
-/// device's memory; computed in float32, the norm from the sum before it is rounded.
+/// sum = x + added + the vector of the row's group; normed = layer norm of that sum. Pointers are to bfloat16 bits in
+/// device memory. It computes in float32, the norm from the sum before rounding.
 struct AddNorm {
   int64_t rows = 0;
   int width = 0;

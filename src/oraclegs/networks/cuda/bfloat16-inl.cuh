@@ -1,5 +1,5 @@
 #pragma once
-// Two neighboring bfloat16 numbers in 32 bits, as the kernels read and write them; all they compute is float32.
+// Two neighboring bfloat16 numbers in 32 bits, as the kernels read and write them; arithmetic is in float32.
 
 #include "oraclegs/core/bfloat16.h"
 
@@ -9,7 +9,7 @@ __device__ inline float2 Unpack(unsigned pair) {
   return {__uint_as_float(pair << 16), __uint_as_float(pair & 0xffff0000u)};
 }
 
-/// Rounded to the nearest, ties to even.
+/// Rounds to the nearest, ties to even.
 __device__ inline unsigned Pack(float2 pair) {
 #if defined(__CUDA_ARCH__)
   unsigned bits;

@@ -1,5 +1,5 @@
 // A warp does one head at one pixel: its keys and values lie in shared memory, and each lane has the query of a frame.
-// Products of matrices this small would leave the tensor cores idle: what counts is that memory is read once.
+// Matrices this small would leave the tensor cores idle; reading memory once decides the speed.
 
 #include "oraclegs/networks/cuda/frame_attention.h"
 
@@ -11,15 +11,15 @@ namespace oraclegs::cuda {
 namespace {
 
 constexpr int kWidth = kFrameAttentionWidth, kFrames = kFrameAttentionFrames;
-constexpr int kWarps = 3;             // a block: what fits into 48 KiB
-constexpr int kVectors = kWidth / 8;  // of 16 bytes, a token
-constexpr int kQuads = kWidth / 4;    // of floats
+constexpr int kWarps = 3;             // warps a block; what fits into 48 KiB
+constexpr int kVectors = kWidth / 8;  // vectors of 16 bytes a token
+constexpr int kQuads = kWidth / 4;    // float4 a token
 static_assert(kFrames <= kWarp);
 
-/// What a warp keeps: rows are frames.
+/// Shared memory of a warp; rows are frames.
 struct Shared {
   float4 keys[kFrames][kQuads], values[kFrames][kQuads];
-  float weights[kFrames][kWarp];  // of each key, for each lane's query
+  float weights[kFrames][kWarp];  // weight of each key for each lane's query
 };
 
 __device__ void Widen8(const uint4& bits, float4* out) {
@@ -46,7 +46,7 @@ __global__ void __launch_bounds__(kWarps* kWarp) FrameAttentionKernel(FrameAtten
   Shared& shared = of_warps[warp];
   const int64_t item = static_cast<int64_t>(blockIdx.x) * kWarps + warp, site = item / in.heads;
   if (site >= in.batch * in.pixels) return;
-  // In vectors of 16 bytes: where frame 0 of the head begins, and from frame to frame.
+  // Offsets in vectors of 16 bytes: frame 0 of the head, and the step from frame to frame.
   const int64_t width = int64_t{in.heads} * kVectors, step = in.pixels * width;
   const int64_t token = site / in.pixels * in.frames * in.pixels + site % in.pixels, head = item % in.heads * kVectors;
   const auto* queries = reinterpret_cast<const uint4*>(in.qkv) + 3 * token * width + head;

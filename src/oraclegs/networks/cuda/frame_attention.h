@@ -8,10 +8,10 @@
 
 namespace oraclegs::cuda {
 
-inline constexpr int kFrameAttentionWidth = 64;   ///< of a head
-inline constexpr int kFrameAttentionFrames = 24;  ///< the most
+inline constexpr int kFrameAttentionWidth = 64;   ///< width of a head
+inline constexpr int kFrameAttentionFrames = 24;  ///< largest number of frames
 
-/// softmax(q k^T / 8) v of each head, pixel and batch. bfloat16 as its bits, in the device's memory; computed in
+/// softmax(q k^T / 8) v of each head, pixel and batch. Pointers are to bfloat16 bits in device memory; it computes in
 /// float32.
 struct FrameAttention {
   int64_t batch = 0, pixels = 0;

@@ -11,7 +11,8 @@
 namespace oraclegs::cuda {
 namespace {
 
-constexpr int kThreads = 320;  // of the networks' pairs of channels, 160 to 1280, all but 480 fill such blocks
+constexpr int kThreads =
+    320;  // multiples of 160 pairs of channels fill such blocks; of the networks' widths all but 480 are
 constexpr int kFactorThreads = 256;
 constexpr int kMaxPairs = kGroupNormChannels / 2;
 constexpr int kAtOnce = 4;  // pixels that a thread reads before it computes
@@ -61,9 +62,9 @@ __global__ void GroupNormSumsKernel(GroupNorm in, GroupNormPair* sums) {
   sums[static_cast<int64_t>(blockIdx.x) * in.groups + group] = {sum, squares};
 }
 
-/// A block an image: y = x a + b of each channel.
+/// One block an image: y = x a + b for each channel.
 __global__ void GroupNormFactorsKernel(GroupNorm in, const GroupNormPair* sums, GroupNormPair* factors) {
-  __shared__ float2 of_groups[kGroupNormGroups];  // mean, one over the deviation
+  __shared__ float2 of_groups[kGroupNormGroups];  // mean, 1 / deviation
   const int64_t image = blockIdx.x;
   const int thread = static_cast<int>(threadIdx.x), lane = thread % kWarp;
   const int chunks = GroupNormChunks(in);
@@ -90,7 +91,7 @@ __global__ void GroupNormFactorsKernel(GroupNorm in, const GroupNormPair* sums, 
 
 __device__ float Silu(float x) { return x * Reciprocal(1.f + Exp2(-1.44269504f * x)); }
 
-/// The rays' weights of one channel, which a thread keeps.
+/// Weights of the rays for one channel, which a thread keeps.
 struct RayWeights {
   float scale[kGroupNormRays], shift[kGroupNormRays], scale0, shift0;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// Group norm of maps that lie in memory with their channels last, with what stands around it in a residual block
+// Group norm of maps whose channels lie last in memory, with its neighbors in a residual block
 // (docs/method.md#seva-group-norm): an offset before, SiLU and a modulation by rays after.
 
 #include <cuda_runtime.h>
@@ -10,10 +10,10 @@
 
 namespace oraclegs::cuda {
 
-inline constexpr int kGroupNormChannels = 2560, kGroupNormGroups = 64, kGroupNormRays = 8;  ///< the most
+inline constexpr int kGroupNormChannels = 2560, kGroupNormGroups = 64, kGroupNormRays = 8;  ///< largest values
 inline constexpr int kGroupNormPixelsABlock = 64;
 
-/// bfloat16 as its bits, in the device's memory; computed in float32, the sums of blocks of pixels are added in
+/// Pointers are to bfloat16 bits in device memory. It computes in float32; the sums of blocks of pixels are added in
 /// float64.
 struct GroupNorm {
   int64_t images = 0;
@@ -24,19 +24,18 @@ struct GroupNorm {
   const uint16_t *weight = nullptr, *bias = nullptr;  ///< [channels]
   float eps = 0;
   bool silu = false;  ///< y sigmoid(y) follows
-  // y (1 + scale) + shift follows, where a product with the pixel's rays gives scales and shifts; 0: it does not
+  // rays > 0: y (1 + scale) + shift follows, where a product with the pixel's rays gives scales and shifts
   int rays = 0;
   const uint16_t* ray_maps = nullptr;    ///< [images, pixels, rays]
-  const uint16_t* ray_weight = nullptr;  ///< [2 channels, rays]: of scales, then of shifts
+  const uint16_t* ray_weight = nullptr;  ///< [2 channels, rays]: rows of scales, then rows of shifts
   const uint16_t* ray_bias = nullptr;    ///< [2 channels]
   uint16_t* out = nullptr;               ///< receives [images, pixels, channels]; may be x
 };
 
-/// Two numbers.
 struct GroupNormPair {
   float a, b;
 };
-/// Scratch, in the device's memory.
+/// Scratch in device memory.
 struct GroupNormScratch {
   GroupNormPair* sums = nullptr;     ///< [GroupNormSums]
   GroupNormPair* factors = nullptr;  ///< [images, channels]

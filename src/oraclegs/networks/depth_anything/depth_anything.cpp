@@ -55,7 +55,8 @@ class LoadedDepthAnything : public DepthNetwork {
   DepthAnything model_;
 };
 
-/// The multiple of `patch` nearest to `length`, half to even; the next one up where that is below `least`.
+/// Multiple of `patch` nearest to `length`, half to even; where that is below `least`, the length is rounded up
+/// instead.
 int64_t MultipleOf(int64_t patch, double length, int64_t least) {
   const double patches = length / static_cast<double>(patch);
   const int64_t rounded = patch * static_cast<int64_t>(std::nearbyint(patches));

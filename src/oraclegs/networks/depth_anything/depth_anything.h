@@ -14,13 +14,13 @@ namespace oraclegs {
 
 struct DepthAnythingConfig {
   VitConfig backbone;
-  std::array<int64_t, 4> layers = {2, 5, 8, 11};  ///< of the backbone, 0-based, that the head reads
+  std::array<int64_t, 4> layers = {2, 5, 8, 11};  ///< layers of the backbone that the head reads, 0-based
   DptConfig head;
-  int64_t input_side = 518;  ///< both sides of what the network sees are at least this
+  int64_t input_side = 518;  ///< smallest side of the network's input, pixels
 };
 
 enum class DepthAnythingSize { kSmall, kBase, kLarge };
-/// The published networks: vits, vitb, vitl.
+/// Published networks: vits, vitb, vitl.
 DepthAnythingConfig DepthAnythingV2(DepthAnythingSize size);
 
 struct DepthAnything {
@@ -29,17 +29,17 @@ struct DepthAnything {
   DptHead head;
 };
 DepthAnything LoadDepthAnything(ParameterSource& source, const DepthAnythingConfig& config);
-/// From a safetensors file with the official names. Throws InputError that lists all that does not fit.
+/// Reads a safetensors file with the official names. Throws InputError that lists all that does not fit.
 DepthAnything LoadDepthAnything(const std::filesystem::path& path, DepthAnythingSize size,
                                 torch::Device device = torch::kCPU);
 
-/// S, B, L, or any other that keeps their rules: heads of 64, the head reads after each quarter of the blocks (of 24
-/// blocks after 4, 11, 17 and 23), the input has the size that positions are stored for. Throws InputError for a file
-/// that is none.
+/// Configuration of a weights file: S, B, L, or another size by their rules. Those are: heads of 64; the head reads
+/// after each quarter of the blocks (with 24 blocks after 4, 11, 17 and 23); the input has the size that positions are
+/// stored for. Throws InputError for a file of another network.
 DepthAnythingConfig RecognizeDepthAnything(const std::filesystem::path& path);
-/// Loads what RecognizeDepthAnything finds. Throws InputError, also one that lists all that does not fit.
+/// Loads what RecognizeDepthAnything finds. Throws InputError that lists all that does not fit.
 DepthAnything LoadRecognizedDepthAnything(const std::filesystem::path& path, torch::Device device = torch::kCPU);
-/// The same as the program sees it.
+/// Loads such a network behind the program's interface. Throws InputError.
 std::unique_ptr<DepthNetwork> LoadDepthNetwork(const std::filesystem::path& path, torch::Device device = torch::kCPU);
 
 /// rgb [h, w, 3] float32 in [0, 1] -> [1, 3, H, W]: the smaller side becomes `side`, both multiples of `patch`; bicubic

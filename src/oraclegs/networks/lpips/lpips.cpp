@@ -18,7 +18,7 @@ Lpips LoadFrom(const std::vector<std::filesystem::path>& paths, const FeatureSta
   return lpips;
 }
 
-/// The scaling layer: image [H, W, 3] to what the network reads, [1, 3, H, W].
+/// Scaling layer: image [H, W, 3] -> the network's input, [1, 3, H, W].
 Tensor NetworkInput(const Lpips& lpips, const Tensor& image, LpipsRange range) {
   const auto options = lpips.weights[0].options();
   const Tensor shift = torch::tensor({-0.030f, -0.088f, -0.188f}).view({1, 3, 1, 1}).to(options);
@@ -34,7 +34,7 @@ Tensor InputSlope(LpipsRange range) {
   return range == LpipsRange::kMinusOneOne ? 2 * slope : slope;
 }
 
-/// [1, 1, H, W]
+/// Length of the feature vector of each pixel, [1, 1, H, W].
 Tensor Lengths(const Tensor& features) { return features.square().sum(1, true).sqrt_(); }
 
 /// dL/dF from the gradient of F / (|F| + floor).
@@ -51,7 +51,7 @@ Lpips LoadLpips(ParameterSource& source, const FeatureStackConfig& config) {
   Lpips lpips;
   lpips.features = LoadFeatureStack(at, config);
   for (size_t i = 0; i < 5; ++i) {
-    // Behind a dropout, which is inactive: hence the index 1.
+    // A dropout, inactive here, has index 0.
     lpips.weights[i] = (at / ("lin" + std::to_string(i)) / "model" / 1).Get("weight", {1, config.channels[i], 1, 1});
   }
   return lpips;

@@ -15,7 +15,7 @@ int64_t BytesOf(const LpipsTarget& target) {
   return bytes;
 }
 
-/// Targets and their features. None is given up for another: all are asked for equally often.
+/// Targets and their features. None is evicted for another, since all are asked for equally often.
 class Targets {
  public:
   explicit Targets(int64_t bytes) : left_(bytes) {}
@@ -35,7 +35,7 @@ class Targets {
 
  private:
   struct Known {
-    Buffer<float> image;  // held, so that no other image can come to lie in its place
+    Buffer<float> image;  // held, so that no other image can take its address
     LpipsTarget target;
   };
 

@@ -1,5 +1,5 @@
 #pragma once
-// LPIPS as the program sees it, with the features of targets that it has met.
+// LPIPS behind the program's interface, with a cache of the features of targets.
 
 #include <memory>
 
@@ -7,7 +7,7 @@
 
 namespace oraclegs {
 
-/// cache_bytes: how much memory the features of targets may take; what does not fit is computed each time.
+/// cache_bytes: memory that the features of targets may take; features that do not fit are computed each time.
 std::unique_ptr<PerceptualNetwork> MakePerceptualNetwork(Lpips lpips, int64_t cache_bytes);
 
 }  // namespace oraclegs

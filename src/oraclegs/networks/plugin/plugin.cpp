@@ -1,4 +1,4 @@
-// What the program finds in this library (networks/loader.h): the identity of this build, and the factory.
+// Exports that the program looks up in this library (networks/loader.h): the identity of this build, and the factory.
 
 #include <ATen/Parallel.h>
 #include <torch/cuda.h>
@@ -25,7 +25,8 @@ class TorchNetworks : public Networks {
  public:
   TorchNetworks() {
 #if defined(ORACLEGS_TORCH_KEEPS_MEMORY)
-    // libtorch keeps device memory that it does not use; the engine asks for it before its own allocations fail.
+    // libtorch keeps device memory that it does not use; the engine frees it through this before its own allocations
+    // fail.
     if (has_cuda()) cuda::SetOutOfMemoryCallback([] { c10::cuda::CUDACachingAllocator::emptyCache(); });
 #endif
   }

@@ -11,14 +11,14 @@ namespace {
 
 constexpr double kQuantile = 0.97, kFarthest = 1e6, kOutlier = 10, kInTheMiddle = 1e-5;
 
-/// Of a non-empty list; of an even count the smaller of the two in the middle.
+/// Lower median of a non-empty list.
 double LowerMedian(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
 
-/// Linear between order statistics.
+/// Quantile, linearly interpolated between order statistics.
 double Quantile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
   const double at = share * static_cast<double>(values.size() - 1);
@@ -53,7 +53,7 @@ SceneMiddle FindSceneMiddle(const std::vector<Eigen::Vector3d>& centers) {
     middle.mean += centers[i];
     ++count;
   }
-  // Farther than kFarthest from the median are all or none of one place: then the median stands for them.
+  // The median of each coordinate may be farther than kFarthest from all centers; it then stands for the mean.
   middle.mean = count > 0 ? Eigen::Vector3d(middle.mean / count) : middle.median;
   return middle;
 }

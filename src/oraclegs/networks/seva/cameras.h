@@ -1,6 +1,6 @@
 #pragma once
-// Cameras as SEVA sees them (docs/method.md#seva-cameras): intrinsics in shares of the image, a scene of standard size,
-// and rays.
+// Cameras as SEVA sees them (docs/method.md#seva-cameras): intrinsics as fractions of the image size, a scene of
+// standard size, and rays.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -10,7 +10,7 @@
 
 namespace oraclegs::seva {
 
-/// A frame's view. Camera axes: x right, y down, z forward.
+/// View of a frame. Camera axes: x right, y down, z forward.
 struct View {
   Eigen::Isometry3d world_from_camera = Eigen::Isometry3d::Identity();
   Eigen::Matrix3d intrinsics = Eigen::Matrix3d::Identity();  ///< row 0 in widths, row 1 in heights of the image
@@ -18,23 +18,23 @@ struct View {
   Eigen::Vector3d center() const { return world_from_camera.translation(); }
 };
 
-/// Degrees between two rotations.
+/// Angle between two rotations, degrees.
 double RotationDegrees(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b);
 
-/// Where a scene's middle is: the mean of the camera centers that lie within ten times the 97 % quantile of the
-/// distances to their (lower) median.
+/// Middle of a scene: the mean of the camera centers that lie within ten times the 97 % quantile of the distances to
+/// their (lower) median.
 struct SceneMiddle {
   Eigen::Vector3d median = Eigen::Vector3d::Zero();
   double quantile = 0;
   std::vector<bool> valid;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
 };
-/// At least one center (ShapeError).
+/// Needs at least one center (ShapeError).
 SceneMiddle FindSceneMiddle(const std::vector<Eigen::Vector3d>& centers);
 
-/// `chunk` about the middle of `all` (the input images and targets of the scene), scaled so that its first frame is
-/// `camera_scale` from there; one that stands in the middle leaves the scale at `camera_scale`. Rotations stay. Throws
-/// ShapeError when either is empty.
+/// Moves `chunk` so that the middle of `all` (the input images and targets of the scene) is the origin, and scales it
+/// so that its first frame is `camera_scale` away; where that frame is at the origin, the scale is `camera_scale`.
+/// Rotations stay. Throws ShapeError when either is empty.
 std::vector<View> NormalizedViews(const std::vector<View>& chunk, const std::vector<View>& all, double camera_scale);
 
 /// Rays of every pixel in the frame of the first view, as Pluecker coordinates: [T, 6, height, width] float32,

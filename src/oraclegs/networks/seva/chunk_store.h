@@ -1,5 +1,5 @@
 #pragma once
-// Finished chunks in files, so that a generation that was stopped goes on behind the last of them.
+// Finished chunks in files, so that a generation that was stopped continues after the last of them.
 
 #include <filesystem>
 #include <optional>
@@ -11,12 +11,12 @@ namespace oraclegs::seva {
 
 class ChunkStore {
  public:
-  /// In dir/; `key` says what the images depend on. An empty dir keeps nothing.
+  /// Files are in dir; `key` identifies what the images depend on. An empty dir stores nothing.
   ChunkStore(std::filesystem::path dir, std::string key) : dir_(std::move(dir)), key_(std::move(key)) {}
 
-  /// images [M, 3, H, W] uint8, the made frames of this job. Throws RunError.
+  /// images [M, 3, H, W] uint8: the generated frames of this job. Throws RunError.
   void Write(int candidate, size_t job, const Tensor& images) const;
-  /// Nothing when the file is not there, damaged, of another key or of another shape.
+  /// nullopt when the file is missing, damaged, of another key or of another shape.
   std::optional<Tensor> Read(int candidate, size_t job, at::IntArrayRef shape) const;
 
  private:

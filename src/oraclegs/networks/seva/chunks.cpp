@@ -36,7 +36,7 @@ int64_t FreeSlots(const ChunkProblem& problem) {
   return slots;
 }
 
-/// What the remaining targets' nearest made frames suggest (docs/method.md#seva-chunks, gt-nearest).
+/// Frames that the nearest generated frames of the remaining targets suggest (docs/method.md#seva-chunks, gt-nearest).
 std::vector<int64_t> SuggestedFrames(const ChunkProblem& problem, int64_t made, int64_t wanted) {
   const std::vector<View> earlier(problem.targets.begin(), problem.targets.begin() + made);
   const auto count = static_cast<int64_t>(problem.targets.size());

@@ -1,4 +1,4 @@
-// Targets between the sources that bound them on a time line.
+// Strategies interp and interp-gt: targets with the sources that bound them on a time line.
 
 #include <algorithm>
 #include <limits>
@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kBehindTheLast = 0.01;  // so that a target at the last source's place counts as before it
 
-/// The sources that bound intervals, by place on the time line.
+/// Sources that bound intervals, by place on the time line.
 std::vector<int64_t> Bounds(const ChunkProblem& problem) {
   std::vector<int64_t> bounds;
   for (int64_t i = 0; i < static_cast<int64_t>(problem.sources.size()); ++i) {

@@ -1,4 +1,4 @@
-// Targets beside the sources that are near to them.
+// Strategies nearest and nearest-gt: targets with the sources nearest to them.
 
 #include <algorithm>
 #include <map>

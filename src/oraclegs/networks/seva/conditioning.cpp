@@ -5,7 +5,7 @@
 namespace oraclegs::seva {
 namespace {
 
-/// One call of the UNet: what is appended to its latents, and what was prepared.
+/// Inputs of one call of the UNet: what is appended to its latents, and the prepared conditioning.
 struct Half {
   Tensor concat;
   Conditioning conditioning;

@@ -1,6 +1,5 @@
 #pragma once
-// What the network is given of one joint problem (docs/method.md#seva-data-flow), and the network as the sampler calls
-// it.
+// Inputs of the network for one joint problem (docs/method.md#seva-data-flow), and the network as the sampler calls it.
 
 #include <vector>
 
@@ -11,16 +10,16 @@
 
 namespace oraclegs::seva {
 
-/// The frames of a joint problem. latents and embeddings are read where `given`.
+/// Frames of a joint problem. Latents and embeddings are read where `given`.
 struct Frames {
   std::vector<View> views;  ///< normalized
   std::vector<bool> given;
   std::vector<Tensor> latents;     ///< [1, 4, h, w] each, scaled
   std::vector<Tensor> embeddings;  ///< [1, context width] each
-  int64_t height = 0, width = 0;   ///< of the latents
+  int64_t height = 0, width = 0;   ///< size of the latents
 };
 
-/// The conditional inputs; the unconditional ones have zeros for all but the rays.
+/// Conditional inputs; the unconditional ones have zeros for all but the rays.
 struct NetworkInputs {
   Tensor given;    ///< [T, 5, h, w]: latents and 1 where a frame is given, else 0
   Tensor mask;     ///< [T, 1, h, w]: 1 where a frame is given
@@ -30,7 +29,8 @@ struct NetworkInputs {
 /// float32 on `device`. Throws ShapeError for lists of unequal length and when no frame is given.
 NetworkInputs MakeInputs(const Frames& frames, torch::Device device);
 
-/// For Denoiser. All that does not change from step to step is computed here, once. `unet` must outlive it.
+/// Network for Denoiser. Everything that does not change from step to step is computed here, once. `unet` must outlive
+/// it.
 Network MakeNetwork(const Unet& unet, const NetworkInputs& inputs, Halves halves);
 
 }  // namespace oraclegs::seva

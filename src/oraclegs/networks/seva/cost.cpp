@@ -5,14 +5,14 @@ namespace {
 
 constexpr double kMultiplyAdd = 2;
 
-/// Walks the network and counts.
+/// Counts operations along the network.
 class Counter {
  public:
   Counter(int64_t frames, int64_t height, int64_t width) : frames_(frames), pixels_(height * width) {}
 
   const Cost& cost() const { return cost_; }
 
-  /// A linear layer on `tokens`, or a convolution that gives so many pixels.
+  /// Adds a linear layer on `tokens`, or a convolution that gives so many pixels.
   void Weight(const Tensor& weight, int64_t tokens) {
     cost_.total += kMultiplyAdd * static_cast<double>(weight.numel()) * static_cast<double>(tokens);
   }
@@ -57,7 +57,8 @@ class Counter {
     Weight(layer.out.weight, Tokens());
   }
 
-  /// Each token looks at `keys` tokens, and at one of `contexts`; the cost of looking at the former.
+  /// Adds a block in which each token attends to `keys` tokens and to one of `contexts`; returns the cost of the
+  /// former.
   double AddTokenBlock(const TokenBlock& block, int64_t keys, int64_t contexts) {
     for (const Linear* linear : {&block.self.q, &block.self.k, &block.self.v, &block.self.out}) {
       Weight(linear->weight, Tokens());

@@ -8,13 +8,13 @@ namespace {
 
 constexpr int64_t kRatio = 4;
 
-/// The layer of some of the outputs.
+/// Layer that computes outputs begin to end - 1 alone.
 Linear Outputs(const Linear& layer, int64_t begin, int64_t end) {
   return {layer.weight.slice(0, begin, end), layer.bias.slice(0, begin, end)};
 }
 
-/// a * GELU(g). Where libtorch computes it, values and gates come from two products: halves of one are strided, which a
-/// GPU reads at half the rate.
+/// a * GELU(g). libtorch computes values and gates in two products: the halves of one product are strided, which a GPU
+/// reads at half the rate.
 Tensor Gated(const Linear& layer, const Tensor& x) {
   const int64_t hidden = layer.weight.size(0) / 2;
   if (kernels::CanTake(x)) {
@@ -46,7 +46,7 @@ Addend Forward(const FeedForward& layer, const Tensor& x) {
     } else if (gated.scalar_type() == weight.scalar_type()) {
       at::addmm_out(part, layer.out.bias, gated, weight.t());
     } else {
-      part.copy_(Forward(layer.out, gated));  // within Autocast
+      part.copy_(Forward(layer.out, gated));  // type differs within Autocast
     }
   }
   return {out.view(x.sizes()), kernels::CanTake(out) ? layer.out.bias : Tensor()};

@@ -31,15 +31,15 @@ View ViewOf(const Camera& camera, const ImageFit& fit) {
 
 Size SizeOf(const Camera& camera) { return {camera.width, camera.height}; }
 
-/// What else than the request's key decides how a chunk looks. How many candidates are wanted and how they fit into
-/// memory does not.
+/// Key of a stored chunk: the request's key and the options that change its images. The number of candidates and the
+/// memory options do not.
 std::string KeyOf(const ViewRequest& request, const SevaOptions& options) {
   nlohmann::json json = OptionsToJson(options);
   for (const char* name : {"candidates", "seva-halves", "seva-memory"}) json.erase(name);
   return request.key + " " + json.dump();
 }
 
-/// One generation: the views, the plan, and the images made so far.
+/// One generation: the views, the plan, and the images generated so far.
 class Generation {
  public:
   Generation(const NetworkSet& networks, const SevaOptions& options, const ViewRequest& request,
@@ -79,7 +79,7 @@ class Generation {
   }
 
  private:
-  /// A frame whose pixels are known, and what its conditioning takes, once it was asked for.
+  /// A frame whose pixels are known; its conditioning tensors are computed on first use.
   struct FrameImage {
     Tensor pixels;  ///< [1, 3, H, W]
     Tensor latent, embedding;
@@ -145,7 +145,7 @@ class Generation {
     return store_.Read(candidate, job, {count, 3, working_.height, working_.width});
   }
 
-  /// Steps that are left to do: finished chunks would spoil the estimate of the time left.
+  /// Counts the steps left to do. Finished chunks are left out, since they would spoil the estimate of the time left.
   void CountSteps() {
     for (int candidate = 0; candidate < options_.candidates; ++candidate) {
       for (size_t job = 0; job < plan_.jobs.size(); ++job) {
@@ -190,7 +190,7 @@ class Generation {
     return MakeInputs(frames, device_);
   }
 
-  /// [T, 4, h, w]
+  /// Latents [T, 4, h, w].
   Tensor Sample(const Job& job, int candidate, size_t index) {
     std::vector<View> views;
     std::vector<bool> given;
@@ -223,7 +223,7 @@ class Generation {
     return SampleEuler(noise(0), problem);
   }
 
-  /// The made frames as [M, 3, H, W] uint8, as they are stored and condition later chunks.
+  /// Generated frames as [M, 3, H, W] uint8, as they are stored and condition later chunks.
   Tensor Decode(const Job& job, const Tensor& latents) const {
     Place(Part::kDecoder);
     std::vector<Tensor> images;
@@ -248,9 +248,9 @@ class Generation {
   std::vector<ImageFit> target_fits_;
   Plan plan_;
   Halves halves_ = Halves::kBatched;
-  int64_t tile_ = 0;  ///< latent pixels
+  int64_t tile_ = 0;  ///< in latent pixels
   std::vector<FrameImage> inputs_;
-  std::map<FrameKey, FrameImage> made_;  ///< of the candidate at work
+  std::map<FrameKey, FrameImage> made_;  ///< frames of the current candidate
   int64_t steps_done_ = 0, steps_total_ = 0;
 };
 

@@ -20,14 +20,15 @@ enum class Part { kEncoder, kUnet, kDecoder };
 struct NetworkSet {
   const Unet* unet = nullptr;
   std::function<Tensor(const Tensor& image)> encode = {};  ///< -> [1, 4, H / 8, W / 8] float32, scaled latent
-  /// The reverse, in tiles of `side` latent pixels.
+  /// Inverse of `encode`, in tiles of `side` latent pixels.
   std::function<Tensor(const Tensor& latent, int64_t side)> decode = {};
   std::function<Tensor(const Tensor& image)> embed = {};  ///< -> [1, context width] float32
-  /// Called with the part that works next, so that the others may leave the device; may be empty.
+  /// Called with the part that runs next, so that the others may leave the device; may be empty.
   std::function<void(Part)> place = {};
-  int64_t other_weights = 0;           ///< bytes of encoder, decoder and image encoder that stay while the UNet works
-  AutoencoderMemory autoencoder = {};  ///< of encode and decode
-  int64_t free_bytes = 0;              ///< of the UNet's device before it came; 0 = asks the operating system
+  int64_t other_weights =
+      0;  ///< bytes of encoder, decoder and image encoder that stay on the device while the UNet works
+  AutoencoderMemory autoencoder = {};  ///< memory that encode and decode take
+  int64_t free_bytes = 0;  ///< free memory of the UNet's device before it was loaded; 0 = asks the operating system
 };
 
 class Generator {

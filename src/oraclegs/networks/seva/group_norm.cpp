@@ -6,14 +6,14 @@
 namespace oraclegs::seva {
 namespace {
 
-/// In float32.
+/// Group norm in float32.
 Tensor Normalized(const GroupNorm& layer, const Tensor& x) {
   const Tensor y = at::group_norm(x.to(torch::kFloat), layer.groups, layer.weight.to(torch::kFloat),
                                   layer.bias.to(torch::kFloat), layer.eps);
   return layer.channels_last ? y.contiguous(at::MemoryFormat::ChannelsLast) : y;
 }
 
-/// The layer of some of the output channels.
+/// Layer that computes output channels begin to end - 1 alone.
 Conv Channels(const Conv& layer, int64_t begin, int64_t end) {
   Conv some = layer;
   some.weight = layer.weight.slice(0, begin, end), some.bias = layer.bias.slice(0, begin, end);
@@ -21,7 +21,7 @@ Conv Channels(const Conv& layer, int64_t begin, int64_t end) {
 }
 
 /// y (1 + scale) + shift in place, some frames at a time: scale and shift together are twice as wide as y. They come
-/// from two products, since halves of one are strided, which a GPU reads at half the rate.
+/// from two products, since the halves of one are strided, which a GPU reads at half the rate.
 void Modulate(const Conv& layer, const Tensor& dense, Tensor* y) {
   const int64_t frames = y->size(0), channels = y->size(1);
   const int64_t step = RowsAtOnce(*y, 2 * channels * y->size(2) * y->size(3));

@@ -9,10 +9,10 @@ namespace oraclegs::seva {
 GroupNorm LoadGroupNorm(const ParameterScope& at, int64_t channels, int64_t groups, double eps);
 /// x [B, channels, ...] -> the same shape and type; computed in float32 whatever the type.
 Tensor Forward(const GroupNorm& layer, const Tensor& x);
-/// y sigmoid(y) of the above, with no second copy of it.
+/// y sigmoid(y) with y = Forward(layer, x), without a second copy.
 Tensor NormThenSilu(const GroupNorm& layer, const Tensor& x);
 
-/// NormThenSilu with what is around it. x [B, channels, h, w] may hold anything afterwards where there are offsets.
+/// NormThenSilu with its neighbors in the block. With offsets, x [B, channels, h, w] is undefined afterwards.
 Tensor NormThenSilu(const GroupNorm& layer, Tensor x, const AroundNorm& around);
 
 }  // namespace oraclegs::seva

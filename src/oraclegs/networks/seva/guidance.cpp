@@ -9,7 +9,8 @@ namespace {
 
 constexpr double kCloseDegrees = 10, kCloseDistance = 1e-5;
 
-/// Oriented, placed and zoomed like conditioning frames, though not necessarily the same one.
+/// True when some conditioning frame is near in rotation, some in position, and some in zoom; not necessarily the same
+/// one.
 bool IsClose(const std::vector<View>& views, const std::vector<bool>& given, size_t frame) {
   const View& view = views[frame];
   bool turned = false, moved = false, zoomed = false;
@@ -22,7 +23,7 @@ bool IsClose(const std::vector<View>& views, const std::vector<bool>& given, siz
   return turned && moved && zoomed;
 }
 
-/// Frames to the nearest conditioning frame, as a share of the farthest one's.
+/// Distance in frames to the nearest conditioning frame, divided by the largest such distance.
 std::vector<double> TemporalDistances(const std::vector<bool>& given) {
   std::vector<double> distances;
   const auto count = static_cast<int64_t>(given.size());

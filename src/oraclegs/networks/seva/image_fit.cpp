@@ -15,13 +15,13 @@ int64_t RoundTo(int64_t value, int64_t stride) {
   return static_cast<int64_t>(std::floor(static_cast<double>(value) / static_cast<double>(stride) + 0.5)) * stride;
 }
 
-/// Where an axis of the resized image begins in the working image.
+/// Start of an axis of the resized image in the working image.
 int64_t Offset(int64_t resized, int64_t working, FitMode mode) {
   if (mode == FitMode::kPad) return (working - resized) / 2;
   return -std::clamp<int64_t>(resized / 2 - working / 2, 0, resized - working);
 }
 
-/// Cuts the axis where `offset` is negative, adds zeros where it is positive.
+/// Cuts the axis where `offset` is negative, pads it with zeros where it is positive.
 Tensor Placed(const Tensor& x, int64_t dim, int64_t offset, int64_t size) {
   if (offset < 0 || x.size(dim) >= size) return x.slice(dim, -offset, -offset + size);
   std::vector<int64_t> before = x.sizes().vec(), after = before;
@@ -30,7 +30,7 @@ Tensor Placed(const Tensor& x, int64_t dim, int64_t offset, int64_t size) {
   return at::cat({at::zeros(before, x.options()), x, at::zeros(after, x.options())}, dim);
 }
 
-/// The reverse; the border is repeated for what was cut.
+/// Inverse of Placed; the border is repeated for what was cut.
 Tensor Taken(const Tensor& x, int64_t dim, int64_t offset, int64_t size) {
   const Tensor places = at::arange(size, x.options().dtype(torch::kLong)) + offset;
   return x.index_select(dim, places.clamp(0, x.size(dim) - 1));
@@ -54,7 +54,7 @@ ImageFit FitImage(const Size& original, const Size& working, FitMode mode) {
   const double by_width = static_cast<double>(working.width) / static_cast<double>(original.width);
   const bool crop = mode == FitMode::kCrop;
   const double factor = crop ? std::max(by_height, by_width) : std::min(by_height, by_width);
-  // A product may land a hair above a whole number: then the official code has one row more, and so have we.
+  // A product may land just above a whole number: then the official code has one row more, and so have we.
   ImageFit fit{original,
                {static_cast<int64_t>(std::ceil(factor * static_cast<double>(original.width))),
                 static_cast<int64_t>(std::ceil(factor * static_cast<double>(original.height)))},

@@ -17,13 +17,13 @@ namespace {
 const uint16_t* Bits(const Tensor& t) { return t.defined() ? static_cast<const uint16_t*>(t.data_ptr()) : nullptr; }
 uint16_t* BitsOf(Tensor* t) { return static_cast<uint16_t*>(t->data_ptr()); }
 
-/// Whether each is undefined, or taken and contiguous.
+/// True when each tensor is undefined, or contiguous and fit for the kernels.
 template <class... T>
 bool CanTakeAll(const T&... tensors) {
   return ((!tensors.defined() || (CanTake(tensors) && tensors.is_contiguous())) && ...);
 }
 
-/// Sum and, with a `norm`, its layer norm.
+/// Sum and, where `norm` is given, its layer norm.
 Tensor AddRows(const Tensor& x, const Addend& addend, const LayerNorm* norm, Tensor* sum) {
   const int64_t width = x.size(-1), rows = x.numel() / width;
   const bool fits = x.is_contiguous() && CanTake(x) && CanTakeAll(addend.rows, addend.vectors) && width % 2 == 0 &&

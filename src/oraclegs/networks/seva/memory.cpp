@@ -14,12 +14,13 @@ constexpr int64_t kColors = 3;
 constexpr int64_t kTileStep = 16, kMinTile = 32;                     // latent pixels
 constexpr int64_t kSuggestedFrames = 21, kSuggestedShortSide = 384;  // what the error suggests
 
-/// Numbers a pixel that a residual block holds at its largest, in the weights' type and in float32.
+/// Bytes a pixel that a residual block holds at its largest, in the weights' type and in float32.
 int64_t ResBytes(int64_t in, int64_t out, int64_t type) { return in * (kFloat + 2 * type) + out * (kFloat + 3 * type); }
-/// The same of a multi-view transformer: its input, tokens, norms, queries, keys, values and their regrouped copies.
+/// Bytes a pixel of a multi-view transformer: its input, tokens, norms, queries, keys, values and their regrouped
+/// copies.
 int64_t MultiViewBytes(int64_t channels, int64_t type) { return channels * (kFloat + 11 * type); }
 
-/// The largest of everything along the UNet, for one frame's latents.
+/// Largest activations along the UNet, for one frame's latents.
 struct Walk {
   const UnetConfig& config;
   int64_t type, pixels;
@@ -70,7 +71,7 @@ int64_t WeightBytes(const UnetConfig& config, torch::ScalarType type) {
   return numbers * BytesOf(type);
 }
 
-/// "--seva-frames 21 (12.3 GB)", the options that lower the need, cheapest in quality first.
+/// "--seva-frames 21 (12.3 GB)", ...: the options that lower the need, cheapest in quality first.
 std::string Suggestions(const UnetConfig& config, const MemoryRequest& request) {
   std::vector<std::string> options;
   const auto suggest = [&](const std::string& option, const MemoryRequest& other) {
@@ -138,10 +139,10 @@ AutoencoderMemory EstimateAutoencoder(const VaeConfig& config, torch::ScalarType
     const auto channels = [&](int64_t l) {
       return config.channels[static_cast<size_t>(std::clamp<int64_t>(l, 0, levels - 1))];
     };
-    const int64_t pixels = int64_t{1} << (2 * (levels - 1 - level));  // of this level, for each of the latent
+    const int64_t pixels = int64_t{1} << (2 * (levels - 1 - level));  // pixels of this level a latent pixel
     memory.encode = std::max(memory.encode, pixels * ResBytes(channels(level - 1), channels(level), bytes));
     memory.tile = std::max(memory.tile, pixels * ResBytes(channels(level + 1), channels(level), bytes));
-    // The level's last image, doubled, and the convolution of that.
+    // The level's last image at twice the size, and its convolution.
     if (level > 0) memory.tile = std::max(memory.tile, pixels * 9 * channels(level) * bytes);
   }
   const int64_t width = config.channels.back(), pixels = config.downscale() * config.downscale();

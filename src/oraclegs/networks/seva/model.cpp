@@ -14,12 +14,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a file says of its network; values are JSON.
+/// Metadata of a file that give the sizes of its network; values are JSON.
 class Sizes {
  public:
   explicit Sizes(const fs::path& path) : path_(path), metadata_(SafetensorsFile::Open(path).metadata()) {}
 
-  /// Leaves `value` as it is where the file says nothing.
+  /// Leaves `value` unchanged where the file has no such entry.
   template <class T>
   void Read(const char* name, T* value) const {
     const auto text = metadata_.find(name);
@@ -113,7 +113,7 @@ struct Model::State {
 
   Autocast Products() const { return {placement.device, placement.products}; }
 
-  /// Mapped files cost nothing to keep; elsewhere only what works next is there.
+  /// Keeps on the device what works next. On the CPU everything stays: mapped files cost nothing.
   void Place(Part part) {
     const bool stays = placement.device.is_cpu();
     if (part == Part::kUnet && !stays) vae.reset();
@@ -146,7 +146,7 @@ Model::Model(const SevaFiles& files, const Placement& placement) : state_(std::m
   state_->vae_config = VaeConfigOf(files.vae);
   state_->clip_config = ClipConfigOf(files.clip);
   state_->unet = LoadUnet(files.unet, UnetConfigOf(files.unet.front()), placement);
-  state_->Place(Part::kEncoder);  // faults of the files are reported now
+  state_->Place(Part::kEncoder);  // so that faults of the files are reported now
   state_->Place(Part::kUnet);
   const int64_t wanted = state_->unet.config.context_width, given = state_->clip_config.output;
   if (wanted != given) {

@@ -1,5 +1,5 @@
 #pragma once
-// The four networks of SEVA out of their files, ready for the generator.
+// The four networks of SEVA, loaded from their files for the generator.
 
 #include <filesystem>
 #include <memory>
@@ -12,16 +12,17 @@ namespace oraclegs::seva {
 
 Placement PlaceOn(torch::Device device, Precision precision);
 
-/// Owns the networks. On the CPU the files are mapped and nothing is copied in float32. On another device the UNet
-/// stays; the encoders and the decoder come when they are needed and leave before the UNet works.
+/// Owns the networks. On the CPU the files are mapped and float32 is not copied. On another device the UNet stays; the
+/// encoders and the decoder are loaded when needed and freed before the UNet works.
 class Model {
  public:
-  /// Files of other sizes than the published ones say so in their metadata, as tests/golden/seva_unet_tiny,
-  /// seva_vae_tiny and openclip_visual_tiny do. Throws InputError that lists all that does not fit.
+  /// Loads the networks. Files of other sizes than the published ones hold their sizes in their metadata, as
+  /// tests/golden/seva_unet_tiny, seva_vae_tiny and openclip_visual_tiny do. Throws InputError that lists all that does
+  /// not fit.
   Model(const SevaFiles& files, const Placement& placement);
   ~Model();
 
-  /// Valid as long as this lives.
+  /// Valid while this object lives.
   NetworkSet networks() const;
 
  private:
@@ -29,7 +30,7 @@ class Model {
   std::unique_ptr<State> state_;
 };
 
-/// The generator as the program sees it. Throws InputError as Model does, UsageError for options out of range.
+/// Generator behind the program's interface. Throws InputError as Model does, UsageError for options out of range.
 std::unique_ptr<ViewGenerator> LoadViewGenerator(const ViewGeneratorRequest& request);
 
 }  // namespace oraclegs::seva

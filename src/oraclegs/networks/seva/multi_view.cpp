@@ -31,10 +31,10 @@ TokenBlock LoadTokenBlock(const ParameterScope& at, const MultiViewShape& shape)
 /// x [G, tokens, C] -> [G, heads, tokens, C / heads]
 Tensor Heads(const Tensor& x, int64_t heads) { return x.unflatten(2, {heads, x.size(2) / heads}).transpose(1, 2); }
 
-/// The reverse.
+/// Inverse of Heads.
 Tensor JoinHeads(const Tensor& x) { return x.transpose(1, 2).flatten(2); }
 
-/// y [G, tokens, C] += what self attention gave, and cross attention. Returns the norm before the feed-forward layer.
+/// Adds self attention and cross attention to y [G, tokens, C]. Returns the norm before the feed-forward layer.
 Tensor AfterSelfAttention(const TokenBlock& block, const Cross& cross, const Addend& attended, Tensor* y) {
   if (cross.update.defined()) {
     return NormAfterAdding({attended.rows, kernels::CanTake(*y) ? cross.update_and_bias : cross.update}, block.norm3,
@@ -45,8 +45,8 @@ Tensor AfterSelfAttention(const TokenBlock& block, const Cross& cross, const Add
   return NormAfterAdding(AddendOf(block.cross.out, JoinHeads(Attend(q, cross.k, cross.v))), block.norm3, y);
 }
 
-/// x [..., C] -> queries, keys and values [..., C]; where kernels take x, beside each other in `all` [..., 3 C], a
-/// product that reads x once.
+/// x [..., C] -> queries, keys and values [..., C]. Where kernels take x, one product that reads x once gives them side
+/// by side in `all` [..., 3 C].
 struct Projections {
   Tensor all, q, k, v;
 };
@@ -57,7 +57,7 @@ Projections Project(const Attention& layer, const Tensor& x) {
   return {all, parts[0], parts[1], parts[2]};
 }
 
-/// x [G, tokens, C] -> the same: attention within each of the G.
+/// Attention within each of the G sequences of x [G, tokens, C].
 Addend SelfAttention(const Attention& layer, const Tensor& x) {
   const Projections in = Project(layer, x);
   const Tensor attended = Attend(Heads(in.q, layer.heads), Heads(in.k, layer.heads), Heads(in.v, layer.heads));
@@ -69,7 +69,7 @@ Tensor PixelHeads(const Tensor& x, int64_t heads) {
   return x.unflatten(3, {heads, x.size(3) / heads}).permute({0, 2, 3, 1, 4}).flatten(0, 1);
 }
 
-/// x [B, T, S, C] -> the same: attention over the frames at one pixel.
+/// Attention over the frames at one pixel of x [B, T, S, C]; keeps the shape.
 Addend TimeAttention(const Attention& layer, const Tensor& x) {
   const int64_t heads = layer.heads;
   const Projections in = Project(layer, x);
@@ -84,14 +84,14 @@ Addend TimeAttention(const Attention& layer, const Tensor& x) {
   return AddendOf(layer.out, attended);
 }
 
-/// What a time-mix block adds to s [B, T, S, C], of which x is norm_in. All but its self attention is token by token,
-/// so nothing else is regrouped.
+/// Addend of a time-mix block to s [B, T, S, C]; x is norm_in of s. Everything but its self attention works token by
+/// token, so nothing else is regrouped.
 Addend TimeMix(const TimeBlock& block, const Cross& cross, const Tensor& s, Tensor x) {
   const TokenBlock& rest = block.tokens;
   Tensor v;
   x = NormOfSum(s, Forward(block.feed_forward_in, x), rest.norm1, &v);
   Addend attended = TimeAttention(rest.self, x);
-  x = v.view({s.size(0), s.size(1) * s.size(2), s.size(3)});  // one context for each sequence
+  x = v.view({s.size(0), s.size(1) * s.size(2), s.size(3)});  // one context a sequence
   x = AfterSelfAttention(rest, cross, attended, &x);
   attended = Addend(), v = Tensor();
   return Forward(rest.feed_forward, x);  // the last one has no residual of v

@@ -1,7 +1,7 @@
 #pragma once
-// The multi-view transformer of SEVA's UNet (docs/method.md#seva-multi-view-transformer): attention within frames or
-// over all frames of a sequence, then attention over the frames at one pixel. There is no positional encoding: cameras
-// alone tell frames apart.
+// Multi-view transformer of SEVA's UNet (docs/method.md#seva-multi-view-transformer): attention within frames or over
+// all frames of a sequence, then attention over the frames at one pixel. There is no positional encoding: only the
+// cameras tell frames apart.
 
 #include <vector>
 
@@ -28,16 +28,16 @@ struct TimeBlock {
   TokenBlock tokens;
 };
 
-/// Which tokens of a sequence attend to each other in the spatial blocks.
+/// Tokens of a sequence that attend to each other in the spatial blocks.
 enum class Reach { kFrame, kSequence };
 
 struct MultiView {
   GroupNorm norm;
   Linear proj_in, proj_out;
   std::vector<TokenBlock> spatial;
-  std::vector<TimeBlock> time;  ///< as many
+  std::vector<TimeBlock> time;  ///< one for each spatial block
   Reach reach = Reach::kFrame;
-  size_t index = 0;  ///< among the multi-view transformers of a network; where its context stands
+  size_t index = 0;  ///< index among the multi-view transformers of a network; position of its context
 };
 
 struct MultiViewShape {
@@ -47,17 +47,17 @@ struct MultiViewShape {
 /// Throws ShapeError when the head width does not divide the channels.
 MultiView LoadMultiView(const ParameterScope& at, const MultiViewShape& shape);
 
-/// What cross attention takes from the context, which does not change from step to step.
+/// Inputs of cross attention, which do not change from step to step.
 struct Cross {
-  Tensor update;           ///< [G, 1, C], with one context token: what is added to every token; else undefined
-  Tensor update_and_bias;  ///< and the bias of self attention's output layer, which comes just before
-  Tensor k, v;             ///< [G, heads, L, head width], with several
+  Tensor update;           ///< [G, 1, C], with one context token: added to every token; else undefined
+  Tensor update_and_bias;  ///< update plus the bias of self attention's output layer, which comes just before
+  Tensor k, v;             ///< [G, heads, L, head width], with several context tokens
 };
 struct MultiViewContext {
-  std::vector<Cross> spatial, time;  ///< of each block
+  std::vector<Cross> spatial, time;  ///< one entry a block
 };
-/// context [N, L, width], `frames` adjacent rows a sequence. Where tokens of different frames meet, a sequence has the
-/// context of its first frame.
+/// context [N, L, width], `frames` adjacent rows a sequence. Where tokens of different frames attend to each other, a
+/// sequence has the context of its first frame.
 MultiViewContext PrepareContext(const MultiView& block, const Tensor& context, int64_t frames);
 
 /// x [N, C, h, w], `frames` adjacent rows a sequence -> [N, C, h, w].

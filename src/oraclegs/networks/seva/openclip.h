@@ -1,6 +1,6 @@
 #pragma once
-// The image half of OpenCLIP (docs/method.md#seva-image-encoder): an image becomes one vector that says what it shows.
-// The defaults are ViT-H-14 trained on laion2b_s32b_b79k.
+// Image half of OpenCLIP (docs/method.md#seva-image-encoder): turns an image into one vector that describes its
+// content. The defaults are ViT-H-14 trained on laion2b_s32b_b79k.
 
 #include <filesystem>
 #include <vector>
@@ -12,10 +12,10 @@ namespace oraclegs::seva {
 
 struct OpenClipConfig {
   int64_t width = 1280, depth = 32, heads = 16;
-  int64_t hidden = 5120;     ///< of the blocks' two linear layers
+  int64_t hidden = 5120;     ///< hidden width of the blocks' two linear layers
   int64_t patch = 14;        ///< side of a patch in pixels
-  int64_t image_side = 224;  ///< of what the network sees, pixels
-  int64_t output = 1024;     ///< numbers of an embedding
+  int64_t image_side = 224;  ///< side of the network's input, pixels
+  int64_t output = 1024;     ///< length of an embedding
   double norm_eps = 1e-5;
 
   int64_t tokens() const { return 1 + (image_side / patch) * (image_side / patch); }
@@ -38,21 +38,21 @@ struct OpenClip {
   std::vector<OpenClipBlock> blocks;
   Tensor projection;  ///< [width, output]
 };
-/// `at` is where the names conv1.weight, ln_pre.weight, ... begin: "visual" of a checkpoint. Throws ShapeError when the
-/// heads do not divide the width or the patch does not divide the image.
+/// `at` is the scope in which conv1.weight, ln_pre.weight, ... are: "visual" of a checkpoint. Throws ShapeError when
+/// the heads do not divide the width or the patch does not divide the image.
 OpenClip LoadOpenClip(const ParameterScope& at, const OpenClipConfig& config);
-/// From a safetensors file of the whole model (only names that begin with `visual.` are read; the text half is
-/// never read). Throws InputError that lists all that does not fit.
+/// Reads a safetensors file of the whole model; only names that begin with `visual.` are read, never the text half.
+/// Throws InputError that lists all that does not fit.
 OpenClip LoadOpenClip(const std::filesystem::path& path, const OpenClipConfig& config = {},
                       torch::Device device = torch::kCPU, torch::ScalarType type = torch::kFloat);
 
-/// What enters the first block: [B, tokens, width], class token first, then patches row by row. prepared [B, 3,
-/// image_side, image_side] as PrepareOpenClipInput gives it (ShapeError otherwise).
+/// Tokens that enter the first block: [B, tokens, width], class token first, then patches row by row. prepared [B, 3,
+/// image_side, image_side] as from PrepareOpenClipInput (ShapeError otherwise).
 Tensor EmbedPatches(const OpenClip& clip, const Tensor& prepared);
 
-/// What a block's attention adds to x [B, tokens, width].
+/// Addend of a block's attention to x [B, tokens, width].
 Tensor AttentionUpdate(const OpenClipBlock& block, const Tensor& x);
-/// The whole block: x [B, tokens, width] -> the same shape.
+/// Whole block: x [B, tokens, width] -> [B, tokens, width].
 Tensor Forward(const OpenClipBlock& block, const Tensor& x);
 
 /// prepared [B, 3, image_side, image_side] -> [B, output] float32, not of unit length.

@@ -1,5 +1,5 @@
 #pragma once
-// Images as the OpenCLIP encoder wants them (docs/method.md#seva-image-encoder).
+// Input of the OpenCLIP encoder (docs/method.md#seva-image-encoder).
 
 #include <vector>
 
@@ -8,16 +8,16 @@
 namespace oraclegs::seva {
 
 /// images [B, 3, H, W] float32 RGB in [-1, 1], sides >= 2 -> [B, 3, side, side]: stretched, not cropped, then
-/// normalized with CLIP's constants. Where an axis shrinks a Gaussian blur comes first (BlurForResize); then bicubic
-/// interpolation (parameter -0.75) with aligned corners, not clamped. Throws ShapeError.
+/// normalized with CLIP's constants. An axis that shrinks is blurred first (BlurForResize); bicubic interpolation
+/// (parameter -0.75) with aligned corners follows, not clamped. Throws ShapeError.
 Tensor PrepareOpenClipInput(const Tensor& images, int64_t side = 224);
 
-/// Of one axis: sigma = max((factor - 1) / 2, 0.001) pixels, factor = length / side; the weights of an odd number of
-/// neighbors about 4 sigma wide, at least 3, with sum 1.
+/// Gaussian weights for one axis, with sigma = max((factor - 1) / 2, 0.001) pixels and factor = length / side: an odd
+/// number of them, at least 3, about 4 sigma wide, with sum 1.
 std::vector<double> ResizeBlurWeights(int64_t length, int64_t side);
 
-/// The blur of both axes, horizontal first, the image mirrored at its border without repeating the last pixel;
-/// x [B, C, H, W] itself when no axis shrinks.
+/// Blurs both axes, horizontal first, the image mirrored at its border without repeating the last pixel. Returns x [B,
+/// C, H, W] itself when no axis shrinks.
 Tensor BlurForResize(const Tensor& x, int64_t side);
 
 }  // namespace oraclegs::seva

@@ -1,5 +1,5 @@
 #pragma once
-// Cameras around what a scene's cameras look at (docs/method.md#seva-trajectories).
+// Cameras on a circle around the point that a scene's cameras look at (docs/method.md#seva-trajectories).
 
 #include <vector>
 
@@ -7,11 +7,11 @@
 
 namespace oraclegs::seva {
 
-/// The point nearest to all optical axes (least squares). Of axes that are all parallel any point is as good; then it
-/// is the one nearest to the mean of the centers. Throws ShapeError without views.
+/// Point nearest to all optical axes (least squares); of the line of such points that parallel axes have, the one
+/// nearest to the mean of the centers. Throws ShapeError without views.
 Eigen::Vector3d LookAtPoint(const std::vector<View>& views);
 
-/// Minus the mean of the cameras' y axes, of unit length: which way is up.
+/// Up direction: minus the mean of the cameras' y axes, of unit length.
 Eigen::Vector3d UpOf(const std::vector<View>& views);
 
 /// `count` poses evenly on the full circle around the axis `up` through `center`, from `start` on; each looks at
@@ -19,9 +19,9 @@ Eigen::Vector3d UpOf(const std::vector<View>& views);
 std::vector<Eigen::Isometry3d> Orbit(const Eigen::Vector3d& start, const Eigen::Vector3d& center,
                                      const Eigen::Vector3d& up, int64_t count);
 
-/// The frames of a first pass: `count` poses on an orbit from the first input image around what input images and
-/// targets look at, that input image's own place left out. Intrinsics are the first target's, or without targets the
-/// first input image's.
+/// Frames of a first pass: `count` poses on an orbit around the point that input images and targets look at. The orbit
+/// starts at the first input image, whose own place is left out. Intrinsics are the first target's, or without targets
+/// the first input image's.
 std::vector<View> OrbitAnchors(const std::vector<View>& inputs, const std::vector<View>& targets, int64_t count);
 
 }  // namespace oraclegs::seva

@@ -9,19 +9,19 @@
 namespace oraclegs::seva {
 namespace {
 
-constexpr int64_t kMinInputsToAddRoom = 9;  // from here on the first pass makes room for all of them
+constexpr int64_t kMinInputsToAddRoom = 9;  // from here on the first pass has room for all of them
 
 bool Interpolates(Chunking chunking) { return chunking == Chunking::kInterp || chunking == Chunking::kInterpGt; }
 
-/// All input images are in every chunk.
+/// True when all input images are in every chunk.
 bool LeadsWithInputs(Chunking chunking) { return chunking != Chunking::kNearest && chunking != Chunking::kInterp; }
 
-/// i of `count` values from low to high.
+/// Value i of `count` evenly spaced values from low to high.
 double Spaced(double low, double high, int64_t i, int64_t count) {
   return count < 2 ? low : low + (high - low) * static_cast<double>(i) / static_cast<double>(count - 1);
 }
 
-/// What both passes are planned from.
+/// Plans the two passes.
 class Planner {
  public:
   Planner(const std::vector<View>& inputs, const std::vector<View>& targets, const SevaOptions& options)
@@ -81,7 +81,7 @@ class Planner {
     return problem;
   }
 
-  /// A slot of a pass as a frame of the scene.
+  /// Frame of the scene that a slot of a pass stands for.
   Frame FrameOf(int pass, const Slot& slot, int64_t sources) const {
     const FrameSource made = pass == 1 ? FrameSource::kAnchor : FrameSource::kTarget;
     if (slot.kind == SlotKind::kTarget) return {made, slot.index, false, false};

@@ -1,5 +1,5 @@
 #pragma once
-// The joint problems that make up a generation: one pass or two, which frames together, which of them are given
+// Joint problems of a generation: one pass or two, the frames of each, and which of them are given
 // (docs/method.md#seva-plan).
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace oraclegs::seva {
 
-/// How many frames the first pass makes, and how many frames the chunks of each pass have.
+/// Number of frames that the first pass generates, and frames of a chunk in each pass.
 struct PassSizes {
   int64_t anchors = 0, first_frames = 21, second_frames = 21;
 };
@@ -19,7 +19,7 @@ struct PassRequest {
   int64_t first_frames = 21, second_frames = 21;  ///< as asked for
   double anchor_ratio = 1;
 };
-/// `chunking` is the second pass's strategy. Throws UsageError when interp-gt has no room for targets.
+/// `chunking` is the strategy of the second pass. Throws UsageError when interp-gt has no room for targets.
 PassSizes SizePasses(const PassRequest& request, Chunking chunking);
 
 enum class FrameSource { kInput, kAnchor, kTarget };
@@ -27,25 +27,26 @@ enum class FrameSource { kInput, kAnchor, kTarget };
 struct Frame {
   FrameSource source = FrameSource::kInput;
   int64_t index = 0;
-  bool given = false;  ///< its image conditions; false: it is made
-  bool copy = false;   ///< fills a place; what is made of it is thrown away
+  bool given = false;  ///< its image conditions; false = it is generated
+  bool copy = false;   ///< fills an empty slot; its result is discarded
 
   bool operator==(const Frame&) const = default;
 };
 
 struct Job {
-  int pass = 1;  ///< 1 makes anchors, 2 targets
+  int pass = 1;  ///< 1 generates anchors, 2 targets
   std::vector<Frame> frames;
 };
 
 struct Plan {
   std::vector<View> anchors;
-  std::vector<Job> jobs;    ///< in this order: a job may need what an earlier one made
+  std::vector<Job> jobs;    ///< in this order: a job may need results of an earlier one
   int64_t largest() const;  ///< frames of the largest job
 };
 
-/// At least one input image (ShapeError). interp takes the targets for a path in their order, and its anchors from it;
-/// the other strategies have theirs on an orbit. Throws UsageError for options that do not fit, naming them.
+/// Needs at least one input image (ShapeError). interp treats the targets as a path in their order and takes its
+/// anchors from it; the other strategies have theirs on an orbit. Throws UsageError that names the options that do not
+/// fit.
 Plan MakePlan(const std::vector<View>& inputs, const std::vector<View>& targets, const SevaOptions& options);
 
 }  // namespace oraclegs::seva

@@ -6,7 +6,7 @@
 namespace oraclegs::seva {
 namespace {
 
-/// The block where kernels take its maps.
+/// Block with our own kernels, where they take its maps.
 Tensor ByKernels(const ResBlock& block, const Tensor& x, const Tensor& embedding, const Tensor& dense) {
   const Tensor y = Forward(WithoutBias(block.conv_in), NormThenSilu(block.norm_in, x, {{}, &block.dense, dense}));
   const Tensor offsets = Forward(block.embedding, embedding) + block.conv_in.bias;

@@ -19,12 +19,12 @@ struct ResBlock {
   GroupNorm norm_in, norm_out;
   Conv conv_in, conv_out;
   Linear embedding;
-  Conv dense;                ///< 1x1: scale and shift of each input channel
-  std::optional<Conv> skip;  ///< 1x1, where the channels change
+  Conv dense;                ///< 1x1; scale and shift for each input channel
+  std::optional<Conv> skip;  ///< 1x1, where the number of channels changes
 };
 ResBlock LoadResBlock(const ParameterScope& at, const ResShape& shape);
 
-/// x [N, in, h, w], embedding [N, width] (behind its SiLU), dense [N, 6, h, w] at the size of x -> [N, out, h, w].
+/// x [N, in, h, w], embedding [N, width] (after its SiLU), dense [N, 6, h, w] at the size of x -> [N, out, h, w].
 Tensor Forward(const ResBlock& block, const Tensor& x, const Tensor& embedding, const Tensor& dense);
 
 }  // namespace oraclegs::seva

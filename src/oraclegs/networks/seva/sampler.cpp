@@ -12,7 +12,7 @@ namespace {
 constexpr float kExtraSigma = 1e-6f;
 constexpr float kTwoPi = 6.2831853071795865f;
 
-/// Exactly as float32: the compiler must not fuse the multiply with the subtraction.
+/// Scalar of exactly this float32 value: the compiler must not fuse the multiply with the subtraction.
 Tensor Scalar(float value) { return torch::full({}, value, torch::kFloat); }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-// From noise to latents in steps of Euler's method (docs/method.md#seva-sampler).
+// Sampler: from noise to latents in steps of Euler's method (docs/method.md#seva-sampler).
 
 #include <cstdint>
 #include <functional>
@@ -10,43 +10,43 @@
 
 namespace oraclegs::seva {
 
-/// The network on both halves of guidance: scaled latents [2T, 4, h, w], the T unconditional ones first, and the index
-/// of the noise level -> [2T, 4, h, w] float32.
+/// Network on both halves of guidance: scaled latents [2T, 4, h, w], the T unconditional ones first, and the index of
+/// the noise level -> [2T, 4, h, w] float32.
 using Network = std::function<Tensor(const Tensor& scaled, int64_t index)>;
 
 struct Denoiser {
   Network network;
   const Schedule* schedule = nullptr;
   Tensor given;    ///< [T, 5, h, w]: latents of conditioning frames and 1 in channel 4, 0 for all other frames
-  Tensor weights;  ///< [T] of guidance
+  Tensor weights;  ///< guidance weights, [T]
 };
 
-/// x [T, 4, h, w] float32 without its noise, guided. Conditioning frames enter as their clean latents.
+/// x [T, 4, h, w] float32 denoised, with guidance. Conditioning frames enter as their clean latents.
 Tensor Denoise(const Denoiser& denoiser, const Tensor& x, float sigma);
 
-/// Euler steps down the sigmas, of which the last is 0.
+/// Euler steps down the sigmas; the last sigma is 0.
 struct EulerProblem {
   std::vector<float> sigmas;
   std::function<Tensor(const Tensor& x, float sigma)> denoise = {};
-  /// Standard normal numbers like x for step i.
+  /// Standard normal numbers, shaped like x, for step i.
   std::function<Tensor(int64_t step)> noise = {};
-  /// Called after every step, with x; may be empty. May throw to stop.
+  /// Called after every step, with x; may be empty, and may throw to stop.
   std::function<void(int64_t step, const Tensor& x)> after_step = {};
 };
-/// unit_noise: standard normal, [T, 4, h, w] float32 -> the result, like it.
+/// unit_noise: standard normal, [T, 4, h, w] float32. The result has that shape.
 Tensor SampleEuler(const Tensor& unit_noise, const EulerProblem& problem);
 
-/// Every step begins with a millionth more noise than it should; what is added for that. Computed in float32 as the
-/// model's authors do, where it vanishes for large sigmas.
+/// Factor of the noise added at the start of a step, which begins with a millionth more noise than its sigma says.
+/// Computed in float32 as the model's authors do, where it vanishes for large sigmas.
 float EulerNoiseFactor(float sigma);
 
-/// Which normal numbers: of one use of a seed.
+/// Identifies one use of a seed.
 struct NoiseKey {
   uint64_t seed = 0;
-  uint64_t draw = 0;  ///< counts candidates, passes and chunks
+  uint64_t draw = 0;  ///< numbers candidates, passes and chunks
   uint64_t step = 0;  ///< 0 for the start, 1 + i for step i
 };
-/// Standard normal float32 numbers; the same for any number of threads.
+/// Standard normal float32 numbers that do not depend on the number of threads.
 Tensor Noise(const NoiseKey& key, at::IntArrayRef shape);
 
 }  // namespace oraclegs::seva

@@ -1,5 +1,5 @@
 #pragma once
-// Wide activations in slices: what a layer computes row by row needs no memory for all rows at once.
+// Wide activations in slices: a layer that works row by row needs no memory for all rows at once.
 
 #include <algorithm>
 
@@ -7,8 +7,7 @@
 
 namespace oraclegs::seva {
 
-/// Numbers that the widest activation of a slice holds: on the CPU what stays near the caches, on a GPU what keeps it
-/// busy.
+/// Numbers in the widest activation of a slice: few enough for the caches of a CPU, enough to keep a GPU busy.
 inline constexpr int64_t kSliceOnCpu = int64_t{1} << 22;
 inline constexpr int64_t kSliceOnGpu = int64_t{1} << 27;
 

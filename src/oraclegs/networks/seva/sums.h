@@ -5,7 +5,7 @@
 
 namespace oraclegs::seva {
 
-/// The layer's product. Where kernels take it, its bias is a vector, which is added where the rows are read anyway.
+/// Product of the layer. Where kernels take it, its bias is a vector, which is added where the rows are read anyway.
 Addend AddendOf(const Linear& layer, const Tensor& x);
 
 /// *x += addend

@@ -11,7 +11,7 @@
 namespace oraclegs::seva {
 namespace {
 
-/// Adds layers to blocks and remembers channels and downscale as it goes.
+/// Adds layers to blocks and tracks channels and downscale.
 class Builder {
  public:
   Builder(Unet* unet, const ParameterScope& root) : unet_(unet), config_(unet->config), root_(root) {}
@@ -97,7 +97,7 @@ class Builder {
   size_t multi_views_ = 0;
 };
 
-/// Calls f(transformer) for each of a network, in the order of their indices.
+/// Calls f(transformer) for each multi-view transformer of a network, in the order of their indices.
 template <class F>
 void ForEachMultiView(const Unet& unet, F&& f) {
   const auto visit = [&](const UnetBlock& block) {
@@ -134,8 +134,8 @@ at::MemoryFormat FormatOf(const Unet& unet) {
   return unet.channels_last ? at::MemoryFormat::ChannelsLast : at::MemoryFormat::Contiguous;
 }
 
-/// cuDNN 9 takes a kernel half as fast for all maps of the largest size than for half of them (H200, 42 of 640 x 72 x
-/// 72).
+/// Halves the batch: cuDNN 9 takes a kernel half as fast for all maps of the largest size than for half of them (H200,
+/// 42 of 640 x 72 x 72).
 Tensor ConvolveUpsampled(const Conv& layer, const Tensor& x) {
   const int64_t half = x.size(0) / 2;
   if (half == 0 || !kernels::CanTake(x)) return ConvolveMap(layer, x);

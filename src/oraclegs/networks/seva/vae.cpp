@@ -44,7 +44,7 @@ VaeDecoder LoadDecoder(const ParameterScope& at, const ParameterScope& root, con
   return decoder;
 }
 
-/// One image, [1, 3, H, W].
+/// image [1, 3, H, W]: moments of its latents.
 Tensor Moments(const VaeEncoder& encoder, const Tensor& image) {
   Tensor x = Forward(encoder.conv_in, image.to(encoder.conv_in.weight.options()));
   for (const VaeLevel& level : encoder.levels) x = Forward(level, std::move(x));

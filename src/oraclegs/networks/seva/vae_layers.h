@@ -1,5 +1,5 @@
 #pragma once
-// What encoder and decoder of the autoencoder are built of (docs/method.md#seva-autoencoder). All tensors are [B,
+// Building blocks of the autoencoder's encoder and decoder (docs/method.md#seva-autoencoder). All tensors are [B,
 // channels, h, w].
 
 #include <optional>
@@ -9,13 +9,13 @@
 
 namespace oraclegs::seva {
 
-/// Of all norms of an autoencoder.
+/// Shape of all norms of an autoencoder.
 struct VaeNormShape {
   int64_t groups = 32;
   double eps = 1e-6;
 };
 
-/// Two convolutions, each behind norm and SiLU, added to the input.
+/// Two convolutions, each after norm and SiLU, added to the input.
 struct VaeResnet {
   GroupNorm norm1, norm2;
   Conv conv1, conv2;
@@ -24,7 +24,7 @@ struct VaeResnet {
 VaeResnet LoadVaeResnet(const ParameterScope& at, int64_t in, int64_t out, const VaeNormShape& norm);
 Tensor Forward(const VaeResnet& block, const Tensor& x);
 
-/// Every place attends to every place, with one head as wide as the channels; added to the input.
+/// Attention of every place to every place, with one head as wide as the channels; added to the input.
 struct VaeAttention {
   GroupNorm norm;
   Linear q, k, v, out;
@@ -32,7 +32,7 @@ struct VaeAttention {
 VaeAttention LoadVaeAttention(const ParameterScope& at, int64_t channels, const VaeNormShape& norm);
 Tensor Forward(const VaeAttention& attention, const Tensor& x);
 
-/// The block at latent resolution.
+/// Block at latent resolution.
 struct VaeMiddle {
   VaeResnet first;
   VaeAttention attention;
@@ -43,7 +43,7 @@ Tensor Forward(const VaeMiddle& middle, const Tensor& x);
 
 enum class VaeResample { kKeep, kHalve, kDouble };
 
-/// Residual blocks at one resolution, the first of which changes the channels; then the change of resolution.
+/// Residual blocks at one resolution, the first of which changes the channels; then a change of resolution.
 struct VaeLevelShape {
   int64_t in = 0, out = 0;
   int64_t resnets = 0;

@@ -5,7 +5,7 @@
 namespace oraclegs::seva {
 namespace {
 
-/// From 0 to 1 over the middle half of `overlap` pixels, at the center of pixel `i`.
+/// Ramp from 0 to 1 over the middle half of `overlap` pixels, at the center of pixel `i`.
 double Ramp(int64_t i, int64_t overlap) {
   const double margin = 0.25 * static_cast<double>(overlap);
   return std::clamp((static_cast<double>(i) + 0.5 - margin) / (static_cast<double>(overlap) - 2 * margin), 0.0, 1.0);

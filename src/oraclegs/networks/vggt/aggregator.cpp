@@ -20,12 +20,12 @@ struct Views {
   int64_t tokens() const { return special + patches; }
 };
 
-/// attention [N] over the tokens of all views -> [S, P] over their patches.
+/// attention [N] over the tokens of all views -> [S, P], over their patches alone.
 Tensor OnPatches(const Tensor& attention, const Views& views) {
   return attention.view({views.count, views.tokens()}).slice(1, views.special);
 }
 
-/// q, k [1, heads, N, width / heads]
+/// Summary of the attention of q, k [1, heads, N, width / heads].
 GlobalAttention SummarizeAttention(const Tensor& q, const Tensor& k, const Views& views) {
   std::vector<Tensor> from_patches, from_camera;
   for (int64_t i = 0; i < views.count; ++i) {
@@ -36,7 +36,7 @@ GlobalAttention SummarizeAttention(const Tensor& q, const Tensor& k, const Views
   return {at::stack(from_patches), at::stack(from_camera)};
 }
 
-/// The highest layer asked for.
+/// Highest layer asked for. Throws ShapeError.
 int64_t LastLayer(const AggregatorRequest& request, int64_t depth) {
   std::set<int64_t> all(request.token_layers.begin(), request.token_layers.end());
   all.insert(request.attention_layers.begin(), request.attention_layers.end());
@@ -86,7 +86,7 @@ AggregatorResult Aggregate(const Aggregator& aggregator, const Tensor& images, c
   const RopeGrid grid{aggregator.special_tokens(), images.size(2) / patch, images.size(3) / patch};
   const Views views{images.size(0), grid.special, grid.rows * grid.cols};
   RopeTable frame_rope = MakeRopeTable(grid, config.width() / config.heads, config.rope_base);
-  frame_rope = {frame_rope.cos.to(x.options()), frame_rope.sin.to(x.options())};  // once, not in every block
+  frame_rope = {frame_rope.cos.to(x.options()), frame_rope.sin.to(x.options())};  // converted once, not in every block
   const RopeTable global_rope = Repeat(frame_rope, views.count);
 
   AggregatorResult result;

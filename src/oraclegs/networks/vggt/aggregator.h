@@ -26,38 +26,38 @@ struct AggregatorConfig {
 struct Aggregator {
   AggregatorConfig config;
   Vit backbone;
-  Tensor camera_token, register_token;  ///< [1, 2, 1 or registers, width]; along axis 1: of view 0, of the others
+  Tensor camera_token, register_token;  ///< [1, 2, 1 or registers, width]; along axis 1: for view 0, for the others
   std::vector<Block> frame_blocks, global_blocks;
-  std::optional<torch::ScalarType> products;  ///< of its matrix products, where other than the weights' (Autocast)
+  std::optional<torch::ScalarType> products;  ///< type of its matrix products; unset = the weights' (Autocast)
 
-  /// Tokens of a view in front of its patches: the camera's and the registers.
+  /// Tokens before a view's patches: the camera's and the registers.
   int64_t special_tokens() const { return 1 + config.registers; }
 };
 Aggregator LoadAggregator(const ParameterScope& at, const AggregatorConfig& config);
 
-/// How one global block's attention falls on the patches, mean over heads. [i, j, p]: from view i to patch p of view j.
+/// Attention of one global block to the patches, mean over heads. [i, j, p]: from view i to patch p of view j.
 struct GlobalAttention {
   Tensor from_patches;  ///< [S, S, P] float32: mean over the patches of view i as queries
   Tensor from_camera;   ///< [S, S, P] float32: the camera token of view i as the only query
 };
 
-/// What is wanted of a pass over the views.
+/// Results wanted from a pass over the views.
 struct AggregatorRequest {
-  std::vector<int64_t> token_layers;      ///< whose tokens the heads read
-  std::vector<int64_t> attention_layers;  ///< whose global attention an oracle reads
+  std::vector<int64_t> token_layers;      ///< layers whose tokens the heads read
+  std::vector<int64_t> attention_layers;  ///< layers whose global attention an oracle reads
 };
 
 struct AggregatorResult {
-  std::map<int64_t, Tensor> tokens;  ///< [S, special + P, 2 width]: behind the frame block, then the global block
+  std::map<int64_t, Tensor> tokens;  ///< [S, special + P, 2 width]: output of the frame block, then of the global block
   std::map<int64_t, GlobalAttention> attention;
 };
 
-/// What enters the first frame block: [S, special + P, width]. images [S, 3, H, W] float32 RGB in [0, 1], sides
+/// Tokens that enter the first frame block: [S, special + P, width]. images [S, 3, H, W] float32 RGB in [0, 1], sides
 /// multiples of the patch; view 0 is the reference. Throws ShapeError.
 Tensor EmbedViews(const Aggregator& aggregator, const Tensor& images);
 
-/// Runs the layers up to the last one asked for; behind the last attention nothing is computed. Throws ShapeError for
-/// layers that do not exist, and when nothing is asked for; Interrupted between two layers when a stop was asked for.
+/// Runs the layers up to the last one asked for; nothing is computed after the last attention. Throws ShapeError for
+/// layers that do not exist and for a request without layers, Interrupted between two layers.
 AggregatorResult Aggregate(const Aggregator& aggregator, const Tensor& images, const AggregatorRequest& request);
 
 }  // namespace oraclegs::vggt

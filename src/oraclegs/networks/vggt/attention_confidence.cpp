@@ -5,7 +5,7 @@ namespace {
 
 constexpr double kMinRange = 1e-12;  // attention is of the order of 1 / tokens, so this must be smaller
 
-/// [S, P] float64: how much attention each patch gets.
+/// Attention that each patch receives, [S, P] float64.
 Tensor AttentionReceived(const GlobalAttention& attention, AttentionMode mode) {
   if (mode == AttentionMode::kOfficial) return attention.from_camera[0].to(torch::kDouble);
   const Tensor from = attention.from_patches.to(torch::kDouble);

@@ -11,8 +11,8 @@
 namespace oraclegs::vggt {
 namespace {
 
-/// The image within `width` x `height` pixels, white around it: only its own patches, which no map is made of, are then
-/// partly white.
+/// Image scaled into `width` x `height` pixels, white around it. The reference is fitted so: only its own patches are
+/// then partly white, and no map is made of these.
 Image8 Fitted(const Image8& image, int width, int height) {
   if (image.width == width && image.height == height) return image;
   const double scale = std::min(static_cast<double>(width) / image.width, static_cast<double>(height) / image.height);

@@ -1,5 +1,5 @@
 #pragma once
-// The aggregator as the program sees it: what the views of a scene attend to in each other
+// The aggregator behind the program's interface: how much the views of a scene attend to each other's pixels
 // (docs/method.md#vggt-oracle).
 
 #include <memory>
@@ -10,20 +10,20 @@
 
 namespace oraclegs::vggt {
 
-/// What an attention network is made of, beside its weights.
+/// Settings of an attention network, beside its weights.
 struct AttentionSettings {
   AttentionMode mode = AttentionMode::kReference;
   int64_t side = 518;  ///< longer side of the network's input, pixels
   std::vector<int64_t> layers = {0, 22};
-  std::vector<double> weights = {0.25, 0.75};  ///< of the layers
+  std::vector<double> weights = {0.25, 0.75};  ///< weight of each layer
 };
 
-/// [proposals, height, width] float32 in [0, 1] of one pass over the reference and the proposals, which are of one
-/// size. Throws ShapeError when layers and weights differ in number, Interrupted.
+/// Confidence [proposals, height, width] float32 in [0, 1] from one pass over the reference and the proposals, which
+/// must be of one size. Throws ShapeError when layers and weights differ in number, Interrupted.
 Tensor AttentionOn(const Aggregator& aggregator, const AttentionSettings& settings, const Image8& reference,
                    const std::vector<Image8>& proposals);
 
-/// Layers and weights are those asked for, the weights scaled to sum to 1, or else those that the file names. Throws
+/// Uses the layers and weights asked for, else those that the file names; weights are scaled to sum to 1. Throws
 /// InputError as ReadWeightsFile does and naming a layer that the network does not have; ShapeError for weights below 0
 /// or without a sum.
 std::unique_ptr<AttentionNetwork> OpenAttention(const std::filesystem::path& weights, const AttentionOptions& options,

@@ -9,7 +9,7 @@ constexpr int64_t kPose = 9;
 constexpr double kBlockEps = 1e-5;
 constexpr double kAdaptiveEps = 1e-6;
 
-/// The camera tokens as the pose so far asks for them: an affine map of the normed tokens, gated, beside the tokens.
+/// Camera tokens modulated by the current pose: an affine map of the normed tokens, gated, added to the tokens.
 Tensor Modulated(const CameraHead& head, const Tensor& tokens, const Tensor& pose) {
   const Tensor parts = Forward(head.modulation, at::silu(Forward(head.embed_pose, pose)));
   const auto split = parts.chunk(3, -1);  // shift, scale, gate
@@ -48,7 +48,7 @@ std::vector<Tensor> CameraEncodings(const CameraHead& head, const Tensor& tokens
     for (const Block& block : head.trunk) x = Forward(block, x);
     const Tensor step = Forward(head.pose_branch, Forward(head.trunk_norm, x));
     pose = pose.defined() ? pose + step : step;
-    // What is fed back is not rectified.
+    // The pose that is fed back is not rectified.
     encodings.push_back(at::cat({pose.slice(2, 0, 7), at::relu(pose.slice(2, 7))}, 2)[0].to(torch::kFloat));
   }
   return encodings;

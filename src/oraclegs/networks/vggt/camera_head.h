@@ -8,7 +8,7 @@
 namespace oraclegs::vggt {
 
 struct CameraHeadConfig {
-  int64_t width = 2048;  ///< twice the aggregator's
+  int64_t width = 2048;  ///< twice the aggregator's width
   int64_t depth = 4, heads = 16, mlp_ratio = 4;
   int64_t iterations = 4;
 };
@@ -23,9 +23,9 @@ struct CameraHead {
 };
 CameraHead LoadCameraHead(const ParameterScope& at, const CameraHeadConfig& config);
 
-/// The encoding [S, 9] float32 after each iteration, the last of which is the answer: translation, quaternion x y z w
-/// (not normalized), vertical and horizontal field of view in radians. tokens [S, width]: the camera tokens of the
-/// aggregator's last layer. Throws ShapeError.
+/// Encodings [S, 9] float32 after each iteration; the last is the result: translation, quaternion x y z w (not
+/// normalized), vertical and horizontal field of view in radians. tokens [S, width]: camera tokens of the aggregator's
+/// last layer. Throws ShapeError.
 std::vector<Tensor> CameraEncodings(const CameraHead& head, const Tensor& tokens);
 
 struct DecodedCameras {
@@ -33,7 +33,7 @@ struct DecodedCameras {
   Tensor intrinsics;                   ///< [S, 3, 3] float32 in pixels of the network's input
   std::vector<int64_t> without_focal;  ///< views whose field of view is 0: their focal length is infinite
 };
-/// height, width: of the network's input. Throws ShapeError.
+/// height, width: size of the network's input. Throws ShapeError.
 DecodedCameras DecodeCameras(const Tensor& encoding, int64_t height, int64_t width);
 
 }  // namespace oraclegs::vggt

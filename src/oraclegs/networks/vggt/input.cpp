@@ -106,7 +106,7 @@ Image8 OverWhite(const Image8& image) {
   return out;
 }
 
-/// Multiple of the patch nearest to `length`, half to even; never nothing.
+/// Multiple of the patch nearest to `length`, half to even, at least one patch.
 int64_t NearestMultiple(int64_t patch, double length) {
   return std::max<int64_t>(patch * static_cast<int64_t>(std::nearbyint(length / static_cast<double>(patch))), patch);
 }
@@ -123,7 +123,7 @@ InputPlace ResizedSize(const Image8& image, Fit fit, int64_t side, int64_t patch
   return place;
 }
 
-/// [3, H, W] in [0, 1], cropped to at most `side` rows.
+/// Tensor [3, H, W] in [0, 1], cropped to at most `side` rows.
 Tensor AsTensor(const Image8& image, const InputPlace& place, int64_t side) {
   const Tensor bytes = torch::empty({place.height, place.width, 3}, torch::TensorOptions(torch::kUInt8));
   std::copy(image.data.begin(), image.data.end(), bytes.data_ptr<uint8_t>());

@@ -6,14 +6,14 @@ namespace oraclegs::vggt {
 namespace {
 
 constexpr int64_t kFloat = 4;
-// Inside a block: its input, queries, keys and values before and after norm and rotation, and their copies for the
-// product; or the wide layer of the MLP with what stands before and behind it. The input of the frame block stays.
+// Widths a token inside a block: its input, queries, keys and values before and after norm and rotation, and their
+// copies for the product; or the wide layer of the MLP with its input and output. The input of the frame block stays.
 constexpr int64_t kWidthsInBlock = 16;
-constexpr int64_t kWidthsKept = 2;                   // of a layer that the heads read
+constexpr int64_t kWidthsKept = 2;                   // for a layer that the heads read
 constexpr int64_t kBytesOnTop = int64_t{256} << 20;  // scores in work, buffers of the libraries
 
-/// Of the depth head, view by view: maps of 8x the grid with all features, then of the image's size with half of
-/// them, with what a convolution unrolls.
+/// Bytes of the depth head, which works view by view: maps of 8x the grid with all features, then of the image's size
+/// with half of them, with the unrolled input of a convolution.
 int64_t DenseBytes(const Config& config, const Pass& pass) {
   const int64_t patch = config.aggregator.backbone.patch, features = config.dense.features;
   const int64_t fine = 64 * (pass.height / patch) * (pass.width / patch), pixels = pass.height * pass.width;

@@ -11,11 +11,10 @@ namespace {
 
 constexpr double kSameSurface = 0.05;  // relative difference of depth
 
-/// The part of the network's input that shows an image: what padding added is left out, what cropping cut is not
-/// there.
+/// Part of the network's input that shows an image, without padding; cropped rows are missing.
 struct Window {
   double scale_x = 1, scale_y = 1;  // input pixels per pixel of the image
-  int64_t left = 0, top = 0;        // of the image's first pixel, negative when it was cropped
+  int64_t left = 0, top = 0;        // first pixel of the image, negative when it was cropped
   int64_t x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 
   Window(const InputPlace& place, const Image8& image, const Tensor& images)
@@ -28,8 +27,8 @@ struct Window {
         x1(std::min(place.left + place.width, images.size(3))),
         y1(std::min(place.top + place.height, images.size(2))) {}
 
-  /// The center of an input pixel, in the image. The official code takes a pixel's corner for its center; half a
-  /// pixel of 518 is less than the network errs, and here cameras are as everywhere in the program.
+  /// Center of an input pixel, in the image. The official code takes a pixel's corner for its center; half a pixel of
+  /// 518 is below the network's error, and the rest of the program uses centers.
   Eigen::Vector2d ToImage(int64_t x, int64_t y) const {
     return {(static_cast<double>(x - left) + 0.5) / scale_x, (static_cast<double>(y - top) + 0.5) / scale_y};
   }
@@ -55,7 +54,7 @@ struct Maps {
   }
 };
 
-/// Where the point stands in image `view`, when its depth map has the same surface there.
+/// Pixel at which image `view` shows the point; nullopt unless its depth map has that surface there.
 std::optional<CloudSight> Sight(const Eigen::Vector3d& xyz, size_t view, const CloudSources& sources,
                                 const Window& window, const Maps& maps) {
   const Camera& camera = sources.cameras[view];

@@ -1,5 +1,5 @@
 #pragma once
-// From what VGGT says of its input to cameras in the images' own pixels and a cloud of points
+// From VGGT's outputs for its input to cameras in the images' own pixels and a cloud of points
 // (docs/method.md#vggt-camera-head, docs/method.md#vggt-cameras-and-cloud).
 
 #include <string>
@@ -11,13 +11,12 @@
 
 namespace oraclegs::vggt {
 
-/// The cameras of the images, in the pixels of the images as they were before PrepareInput; `names` are
-/// theirs, for errors. Throws InputError naming the images whose focal length is infinite or whose camera is not
-/// finite.
+/// Cameras in the pixels of the images as they were before PrepareInput; `names` are the images', for errors. Throws
+/// InputError naming the images whose focal length is infinite or whose camera is not finite.
 std::vector<Camera> ImageCameras(const Tensor& encoding, const Input& input, const std::vector<Image8>& images,
                                  const std::vector<std::string>& names);
 
-/// What a cloud is made from; one of each for every image. The referenced objects must outlive it.
+/// Sources of a cloud, one entry an image. The referenced objects must outlive it.
 struct CloudSources {
   const std::vector<Camera>& cameras;  ///< ImageCameras
   const std::vector<Image8>& images;
@@ -25,8 +24,8 @@ struct CloudSources {
   const DepthPrediction& depth;
 };
 
-/// Points on a lattice of pixels over all images, about `max_points` before they are selected: those of the higher half
-/// of the depth confidence where the depth of at least one other image has the same surface, to 5 %.
+/// Points on a lattice of pixels over all images, about `max_points` before selection. Selected are pixels in the
+/// higher half of the depth confidence whose surface at least one other image's depth confirms to 5 %.
 std::vector<CloudPoint> MakeCloud(const CloudSources& sources, size_t max_points);
 
 }  // namespace oraclegs::vggt

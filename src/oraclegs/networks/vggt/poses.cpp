@@ -8,7 +8,7 @@
 namespace oraclegs::vggt {
 namespace {
 
-constexpr size_t kMaxLatticePoints = 40000;  // asked about; the half of higher depth confidence becomes points
+constexpr size_t kMaxLatticePoints = 40000;  // before selection; the half of higher depth confidence becomes points
 constexpr double kGiB = 1024.0 * 1024 * 1024;
 constexpr Heads kHeads{.camera = true, .depth = true};
 

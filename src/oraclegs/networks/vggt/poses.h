@@ -9,7 +9,7 @@ namespace oraclegs::vggt {
 /// See Networks::EstimatePoses.
 PoseEstimate EstimatePoses(const PoseRequest& request, const Listener& listener);
 
-/// Throws RunError when `needed` bytes for so many images are more than `available`; 0 = unknown.
+/// Throws RunError when the `needed` bytes for so many images exceed `available`; 0 = unknown.
 void RequirePoseMemory(size_t images, int64_t needed, uint64_t available);
 
 }  // namespace oraclegs::vggt

@@ -11,11 +11,11 @@
 
 namespace oraclegs::vggt {
 
-/// The defaults are VGGT-1B.
+/// Defaults are VGGT-1B.
 struct Config {
   AggregatorConfig aggregator;
   CameraHeadConfig camera;
-  std::array<int64_t, 4> dense_layers = {4, 11, 17, 23};  ///< that the depth head reads
+  std::array<int64_t, 4> dense_layers = {4, 11, 17, 23};  ///< layers that the depth head reads
   DptConfig dense{.style = DptStyle::kVggt,
                   .width = 2048,
                   .features = 256,
@@ -23,7 +23,7 @@ struct Config {
                   .outputs = 2};  ///< outputs: depth and confidence
 };
 
-/// The heads that a caller needs; an oracle needs none.
+/// Heads that a caller needs; an oracle needs none.
 struct Heads {
   bool camera = false, depth = false;
 };
@@ -38,20 +38,21 @@ Vggt LoadVggt(ParameterSource& source, const Config& config, const Heads& heads)
 
 struct Placement {
   torch::Device device = torch::kCPU;
-  torch::ScalarType aggregator_type = torch::kFloat;  ///< of its weights; the heads are float32 always
-  std::optional<torch::ScalarType> products = {};     ///< of the aggregator's matrix products, where another
+  torch::ScalarType aggregator_type = torch::kFloat;  ///< type of its weights; the heads are always float32
+  std::optional<torch::ScalarType> products =
+      {};  ///< type of the aggregator's matrix products; unset = aggregator_type
 };
-/// Automatic: the aggregator in bfloat16 on a GPU, where that is what matrix units are made for, else in float32.
+/// Automatic = the aggregator in bfloat16 on a GPU, whose matrix units are made for it, else in float32.
 Placement PlaceOn(torch::Device device, const Auto<VggtPrecision>& precision = {});
-/// The network of this configuration from safetensors files with the official names. Heads that are not asked for,
-/// the point head and the track head may be there and are not read. Throws InputError that lists all that does not fit.
+/// Reads safetensors files with the official names for this configuration. Heads that are not asked for, the point
+/// head and the track head may be in the files and are not read. Throws InputError that lists all that does not fit.
 Vggt LoadVggt(const std::vector<std::filesystem::path>& paths, const Heads& heads, const Placement& placement = {},
               const Config& config = {});
 
-/// What the loaded heads read of the aggregator, for AggregatorRequest::token_layers.
+/// Aggregator layers that the loaded heads read, for AggregatorRequest::token_layers.
 std::vector<int64_t> HeadLayers(const Vggt& vggt);
 
-/// encoding [S, 9] after each iteration of the camera head (CameraEncodings, DecodeCameras).
+/// Encodings [S, 9] after each iteration of the camera head (CameraEncodings, DecodeCameras).
 std::vector<Tensor> PredictCameras(const Vggt& vggt, const AggregatorResult& aggregated);
 
 struct DepthPrediction {

@@ -24,7 +24,7 @@ class Metadata {
     return it->second;
   }
 
-  /// The numbers of "4", "0.1" or "[1, 2]".
+  /// Numbers of "4", "0.1" or "[1, 2]".
   std::vector<double> Numbers(const std::string& key) const {
     std::string text = Text(key);
     std::replace_if(
@@ -115,7 +115,7 @@ Config NetworkOf(const Metadata& data) {
   return config;
 }
 
-/// What the network's functions would take for a bug of ours.
+/// Refuses files whose sizes the network's functions would report as errors of the program.
 void RequireConsistent(const WeightsFile& file, const Metadata& data) {
   const AggregatorConfig& aggregator = file.network.aggregator;
   const int64_t width = aggregator.width();

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// `count` of 0 .. size - 1 at even steps, the first among them.
+/// `count` indices of 0 .. size - 1 at even steps, starting with 0.
 std::vector<size_t> Evenly(size_t size, size_t count) {
   std::vector<size_t> chosen;
   count = std::min(count, size);
@@ -25,7 +25,7 @@ std::vector<size_t> Evenly(size_t size, size_t count) {
   return chosen;
 }
 
-/// Of `names` those that --show asks for, else some.
+/// Names that --show asks for, else some at even steps.
 std::vector<std::string> Chosen(const std::vector<std::string>& names, const FigureOptions& options,
                                 const std::string& folder) {
   std::vector<std::string> chosen;
@@ -93,7 +93,7 @@ Image8 Cropped(Image8 image, const std::optional<FigureCrop>& crop) {
   return part;
 }
 
-/// PSNR of each test view of a run, by the name of its file.
+/// PSNR of a test view, with the name of its file.
 struct TestView {
   std::string name;
   std::optional<double> psnr;
@@ -138,7 +138,7 @@ Sheet ConfidenceSheet(const oraclegs::Run& run, const FigureOptions& options) {
   }
   Sheet sheet{{"proposal", "confidence"}, {}, ColorMap::kPlasma, "confidence"};
   if (!photos.empty()) sheet.heads.push_back("photo");
-  // Those with a photo say more.
+  // Proposals with a photo are preferred.
   const bool some_seen = options.show.empty() && !seen.empty();
   for (const std::string& name : Chosen(some_seen ? seen : names, options, run.workspace.root().string())) {
     const Image8 map = ReadImage(run.workspace.confidence() / (name + ".png"));

@@ -1,6 +1,5 @@
 #pragma once
-// Figures of papers out of workspaces: what was proposed and how far it is trusted; renders of several runs side by
-// side.
+// Figures of papers from workspaces: proposals with their confidence, or renders of several runs side by side.
 
 #include <filesystem>
 #include <string>
@@ -40,13 +39,13 @@ struct FigureOptions {
   }
 };
 
-/// Proposals of a run with the maps of stage "validate"; views that neither train nor test give the photos. Throws
-/// InputError when there are none, or --show names another.
+/// Proposals of a run with the maps of stage "validate"; photos come from views that neither train nor test. Throws
+/// InputError when there are none, and when --show names another.
 Sheet ConfidenceSheet(const oraclegs::Run& run, const FigureOptions& options);
 
 /// Renders of stage "evaluate" of runs of one scene, with the PSNR of each, and the photos. Throws InputError for a
-/// folder without them, renders of different sizes and a view that one run lacks, UsageError for a crop outside of them
-/// and labels of another number.
+/// folder without renders, renders of different sizes and a view that one run lacks; UsageError for a crop outside the
+/// renders and a wrong number of labels.
 Sheet ComparisonSheet(const std::vector<std::filesystem::path>& workspaces, const FigureOptions& options);
 
 }  // namespace oraclegs

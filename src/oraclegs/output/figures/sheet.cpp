@@ -14,7 +14,7 @@ namespace oraclegs {
 namespace {
 
 constexpr double kGap = 6, kMargin = 8, kLine = 18, kFontSize = 12, kBarHeight = 10;
-constexpr double kMaxSide = 32767;  // of a cairo image
+constexpr double kMaxSide = 32767;  // limit of a cairo image
 
 struct Release {
   void operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
@@ -23,10 +23,10 @@ struct Release {
 using Surface = std::unique_ptr<cairo_surface_t, Release>;
 using Context = std::unique_ptr<cairo_t, Release>;
 
-/// Where everything goes; all of it in pixels of the PNG.
+/// Positions of all parts, in pixels of the PNG.
 struct Layout {
   double panel = 0, width = 0, height = 0;
-  std::vector<double> tops, heights;  ///< of the rows' panels
+  std::vector<double> tops, heights;  ///< top and height of each row's panels
   std::vector<bool> captioned;
   double scale_top = 0;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// Images in a grid, with words beside them, as a PNG and as a PDF.
+// Images in a grid, with headings and captions, as a PNG and as a PDF.
 
 #include <filesystem>
 #include <optional>
@@ -12,14 +12,14 @@
 namespace oraclegs {
 
 struct Panel {
-  Image8 image;         ///< 1 or 3 channels; of no size: the place stays empty
-  std::string caption;  ///< below it; may be empty
+  Image8 image;         ///< 1 or 3 channels; an empty image leaves the place empty
+  std::string caption;  ///< text below the image; may be empty
 };
 
 struct Sheet {
-  std::vector<std::string> heads;        ///< of the columns
-  std::vector<std::vector<Panel>> rows;  ///< of heads.size() panels each
-  std::optional<ColorMap> scale;         ///< a bar of its colors from 0 to 1, below all
+  std::vector<std::string> heads;        ///< heading of each column
+  std::vector<std::vector<Panel>> rows;  ///< each row has heads.size() panels
+  std::optional<ColorMap> scale;         ///< color map shown as a bar from 0 to 1 below all rows
   std::string scale_title;
 };
 
@@ -27,9 +27,9 @@ struct SheetFiles {
   std::filesystem::path png, pdf;
 };
 
-/// Writes STEM.png and STEM.pdf, each panel panel_width pixels wide (a point in the PDF, which keeps the images' own
-/// pixels). The PNG's larger side is at most 32767 pixels. Throws ShapeError for a row of another length, UsageError
-/// when it would be larger, RunError when a file cannot be written.
+/// Writes STEM.png and STEM.pdf. Each panel is panel_width pixels wide in the PNG and as many points in the PDF, which
+/// keeps the images' own pixels. Throws ShapeError for a row of another length, UsageError when a side of the PNG would
+/// exceed 32767 pixels, RunError when a file cannot be written.
 SheetFiles WriteSheet(const Sheet& sheet, const std::filesystem::path& stem, int panel_width);
 
 }  // namespace oraclegs

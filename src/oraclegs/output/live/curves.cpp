@@ -22,7 +22,7 @@ constexpr uint64_t kMaxBytes = 4 << 20;
 constexpr const char* kHeader =
     "iteration,seconds,ms_per_iteration,loss,l1,ssim,depth,alpha,proposal,regularization,gaussians,psnr";
 
-/// A cell; empty for NaN.
+/// Text of a cell; empty for NaN.
 std::string Cell(double value) { return std::isnan(value) ? "" : fmt::format("{:.7g}", value); }
 
 std::string LineOf(const CurveRow& r) {
@@ -43,7 +43,7 @@ std::vector<std::string> CellsOf(const std::string& line) {
   return cells;
 }
 
-/// False for what is no number. NaN for an empty cell.
+/// Reads a cell; an empty one is NaN. Returns false for text that is no number.
 bool ReadCell(const std::string& cell, double* value) {
   *value = CurveRow::kNone;
   if (cell.empty()) return true;
@@ -51,7 +51,7 @@ bool ReadCell(const std::string& cell, double* value) {
   return error == std::errc() && end == cell.data() + cell.size();
 }
 
-/// False for a damaged line, and the header.
+/// Reads a line. Returns false for a damaged line, and for the header.
 bool ReadLine(const std::string& line, CurveRow* row) {
   const std::vector<std::string> cells = CellsOf(line);
   double iteration = 0, gaussians = 0;
@@ -89,7 +89,7 @@ void CurvesFile::Write(const std::vector<CurveRow>& rows) {
 void CurvesFile::Append(const std::vector<CurveRow>& rows) {
   const std::string line = LineOf(rows.back());
   if (fd_ >= 0 && write(fd_, line.data(), line.size()) == static_cast<ssize_t>(line.size())) return;
-  Write(rows);  // the whole, so that no half of a line stays
+  Write(rows);  // all rows anew, so that no half line stays
 }
 
 void CurvesFile::Close() {
@@ -134,7 +134,7 @@ nlohmann::json CurvesToJson(const std::vector<CurveRow>& rows) {
     (*to)["y"].push_back(y);
   };
   nlohmann::json loss = curve("loss", ""), gaussians = curve("Gaussians", ""), psnr = curve("PSNR of test views", "dB");
-  // A file of another program may have any number.
+  // A file of another program may have any number of rows.
   const size_t step = std::max<size_t>(1, (rows.size() + kMaxRows - 1) / kMaxRows);
   for (size_t i = step - 1; i < rows.size(); i += step) {
     add(&loss, rows[i].iteration, rows[i].loss);

@@ -18,7 +18,8 @@ constexpr double kStatePauseOfCost = 200;
 
 fs::path DocumentOf(const WorkspacePaths& workspace) { return workspace.report() / "run.json"; }
 
-/// That of a finished run has; the one that is written as training begins has not.
+/// True when a document has a trained splat. The document of a finished run does; the one that is written when training
+/// begins does not.
 bool HasTrainedSplat(const fs::path& document) {
   std::error_code ignored;
   if (!fs::exists(document, ignored)) return false;
@@ -35,7 +36,7 @@ Live::Live(const WorkspacePaths& workspace, Listener listener)
       curves_(workspace.curves()) {
   std::error_code ignored;
   fs::create_directory(workspace_.live(), ignored);
-  fs::remove(splat_, ignored);  // of a run that was killed
+  fs::remove(splat_, ignored);  // left by a run that was killed
   lock_.emplace(workspace_.live());
   rows_ = ReadCurves(workspace_.curves());
   WriteState();
@@ -87,7 +88,7 @@ void Live::On(const Event& event) {
 }
 
 void Live::OnMoment(const TrainMoment& moment) {
-  if (!std::exchange(training_, true)) {  // the rows of what is not continued are dropped
+  if (!std::exchange(training_, true)) {  // rows after the iteration that training continues from are dropped
     std::erase_if(rows_, [&](const CurveRow& row) { return row.iteration > moment.iteration; });
     Try([&] { curves_.Write(rows_); });
     BeginRow(moment);
@@ -117,7 +118,7 @@ void Live::AddRow(const TrainMoment& moment) {
 }
 
 void Live::TakeSnapshot(const TrainMoment& moment) {
-  moment.loss();  // waits; that training has diverged is no trouble of ours
+  moment.loss();  // waits; the trainer, not the observer, reports a training that has diverged
   const double start = watch_.Seconds();
   double cost = -1;
   Try([&] { cost = WriteSnapshot(splat_, moment.gaussians); });

@@ -1,5 +1,5 @@
 #pragma once
-// What a run writes for those that look on: OUT/live/ and OUT/train.csv.
+// Files that show a run while it goes on: OUT/live/ and OUT/train.csv.
 
 #include <cstdint>
 #include <exception>
@@ -20,18 +20,18 @@
 
 namespace oraclegs {
 
-/// Writes live/state.json at most twice a second, live/splat.splat while training, and train.csv. It holds a
-/// FolderLock on live/: a run that was killed is known by that. Nothing of it changes a result or ends a run: a file
-/// that cannot be written is one warning. The end of the run is written by the destructor, or by Guard when it fails.
+/// Writes live/state.json at most twice a second, live/splat.splat while training, and train.csv. It holds a FolderLock
+/// on live/, which tells a running run from one that was killed. It never changes a result or ends a run: a file that
+/// cannot be written is one warning. The destructor writes the end of the run, or Guard when the run fails.
 class Live final : public RunObserver {
  public:
-  /// For a run that holds the workspace; events go on to `listener`.
+  /// Observes a run that holds the workspace; events go on to `listener`.
   Live(const WorkspacePaths& workspace, Listener listener);
   ~Live() override;
   Live(const Live&) = delete;
   Live& operator=(const Live&) = delete;
 
-  /// Valid as long as this object lives, as the observer.
+  /// Listener that is valid while this object lives.
   Listener AsListener();
   TrainObserver OfTraining(TestScore score) override;
   void Guard(FunctionRef<void()> body) override;
@@ -39,13 +39,13 @@ class Live final : public RunObserver {
  private:
   void On(const Event& event);
   void OnMoment(const TrainMoment& moment);
-  /// Begins the mean of the next row.
+  /// Begins the means of the next row.
   void BeginRow(const TrainMoment& moment);
   void AddRow(const TrainMoment& moment);
   void TakeSnapshot(const TrainMoment& moment);
   void WriteState();
   void End(RunEnd end, const std::string& message);
-  /// Writes something; what fails is warned of once a run.
+  /// Writes something; a failure is warned of once a run.
   void Try(FunctionRef<void()> write);
 
   WorkspacePaths workspace_;
@@ -58,14 +58,14 @@ class Live final : public RunObserver {
   std::vector<CurveRow> rows_;
   CurvesFile curves_;
   TestScore score_;
-  /// Where the iterations of the next row begin.
+  /// Start of the iterations of the next row.
   struct {
     int64_t iteration = 0;
     double seconds = 0;
     TermSums terms = {};
   } since_;
-  double looked_ = 0;      ///< seconds of looking on since then, which are no part of an iteration
-  bool training_ = false;  ///< the observer was called
+  double looked_ = 0;      ///< time spent on observing since then, seconds; not part of an iteration
+  bool training_ = false;  ///< set once the observer was called
   SnapshotClock snapshots_;
   nlohmann::json shown_splat_ = nullptr;
   bool warned_ = false;

@@ -34,7 +34,7 @@ void RunState::Add(const Event& event) {
     FindOrAdd(start->stage) = {.name = start->stage};
     rate_.Clear();
   } else if (const auto* step = std::get_if<StepDone>(&event)) {
-    // Some stages count for a part that has no start of its own, such as "load".
+    // Some stages report steps for a part that has no start of its own, such as "load".
     if (StageState* stage = Find(step->stage)) {
       stage->last = *step;
       stage->seconds_left = rate_.Add(*step).seconds_left;

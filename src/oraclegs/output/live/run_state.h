@@ -1,5 +1,5 @@
 #pragma once
-// What live/state.json says of a run: the sum of its events.
+// State of a run for live/state.json: the sum of its events.
 
 #include <nlohmann/json.hpp>
 #include <string>
@@ -12,10 +12,10 @@ namespace oraclegs {
 
 enum class RunEnd { kFinished, kFailed, kInterrupted };
 
-/// "2026-11-23T16:00:00Z"
+/// Current time, as in "2026-11-23T16:00:00Z".
 std::string UtcNow();
 
-/// Folds the events of a run. docs/formats.md describes the document.
+/// Accumulates the events of a run. docs/formats.md describes the document.
 class RunState {
  public:
   RunState() : started_(UtcNow()) {}
@@ -24,7 +24,7 @@ class RunState {
   void SetEnd(RunEnd end, const std::string& message);
   bool ended() const { return state_ != "running"; }
 
-  /// Stages, warnings and end; who writes it adds times, curves and the splat.
+  /// Stages, warnings and end. The writer adds times, curves and the splat.
   nlohmann::json ToJson() const;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// The model as it stands, for those that look on while it is trained.
+// Snapshots of the model while it is trained.
 
 #include <filesystem>
 
@@ -7,11 +7,11 @@
 
 namespace oraclegs {
 
-/// Decides when a snapshot is due, so that all of them together cost less than a fiftieth of the training's time.
+/// Decides when a snapshot is due, so that all of them together take less than a fiftieth of the training's time.
 class SnapshotClock {
  public:
-  /// `now` and `cost` are seconds of any one clock. The first one is due at once, the next ones 3 seconds after the end
-  /// of the last, or 50 times what that one cost.
+  /// `now` and `cost` are seconds of any one clock. The first snapshot is due at once; each next one 3 seconds after
+  /// the end of the last, or 50 times the cost of the last, whichever is later.
   bool IsDue(double now) const { return now >= next_; }
   void Took(double end, double cost);
 
@@ -19,8 +19,7 @@ class SnapshotClock {
   double next_ = 0;
 };
 
-/// Writes Gaussians of any device to a .splat file, in place of the last ones. Returns the seconds it took. Throws
-/// RunError.
+/// Writes Gaussians on any device to a .splat file, replacing it. Returns the seconds it took. Throws RunError.
 double WriteSnapshot(const std::filesystem::path& path, const Gaussians& gaussians);
 
 }  // namespace oraclegs

@@ -17,9 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kEven = 2;  // H.264 with halved color needs sides that it divides
+constexpr int kEven = 2;  // H.264 with halved color needs sides that are multiples of this
 
-/// The camera at a size of even sides that fits.
+/// Camera scaled to at most `max_side`, with even sides.
 Camera FilmCamera(const Camera& camera, int max_side) {
   const double scale = std::min(1.0, static_cast<double>(max_side) / std::max(camera.width, camera.height));
   const auto side = [&](int pixels) {
@@ -68,9 +68,10 @@ std::string PixelBytes(const RenderOutput& render) {
 
 bool WriteOrbitVideo(const Model& model, const std::vector<Camera>& training_cameras, const fs::path& video,
                      const OrbitVideo& how, const Listener& listener) {
-  const fs::path part = fs::absolute(video).replace_extension(".mp4.tmp");  // no "a:", a protocol
+  const fs::path part =
+      fs::absolute(video).replace_extension(".mp4.tmp");  // absolute: ffmpeg reads "a:" at the beginning as a protocol
   std::error_code error;
-  fs::remove(part, error);  // of a run that was killed
+  fs::remove(part, error);  // left by a run that was killed
   if (training_cameras.empty() || how.frames <= 0) return false;
   const fs::path ffmpeg = FindProgram("ffmpeg");
   if (ffmpeg.empty()) {

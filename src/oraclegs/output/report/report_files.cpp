@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 constexpr int kLargestSide = 960;  // pixels, of an image that fills a page
 constexpr int kThumbnailSide = 200;
-constexpr int kImageQuality = 85;  // of a JPEG: differences to quality 95 are not seen, half the size
+constexpr int kImageQuality = 85;  // JPEG; looks like quality 95 at half the size
 constexpr int kThumbnailQuality = 75;
 
 Image8 Reduced(const Image8& image, int largest) {

@@ -19,11 +19,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kReportedProposals = 32;
-constexpr float kLargestShownError = 0.3f;  // mean over the channels; above it the color stays the last
-constexpr double kWellSupported = 0.85;     // share of a proposal's pixels, from which on no photo is asked for
+constexpr float kLargestShownError = 0.3f;  // mean over the channels; the color of larger ones is that of this
+constexpr double kWellSupported = 0.85;     // share of a proposal's pixels; above it no photo is suggested
 constexpr size_t kLargestAdvice = 3;
 
-/// values: width * height
+/// Colors of the values, which are width * height.
 Image8 InColors(const std::vector<float>& values, int width, int height) {
   Image8 image{width, height, 3, {}};
   image.data.reserve(3 * values.size());
@@ -34,7 +34,7 @@ Image8 InColors(const std::vector<float>& values, int width, int height) {
   return image;
 }
 
-/// Mean absolute difference over the channels, in units of the largest shown one.
+/// Mean absolute difference over the channels, divided by kLargestShownError.
 std::vector<float> ErrorsOf(const Image8& render, const Image8& truth) {
   std::vector<float> errors(render.data.size() / 3);
   for (size_t p = 0; p < errors.size(); ++p) {
@@ -45,7 +45,7 @@ std::vector<float> ErrorsOf(const Image8& render, const Image8& truth) {
   return errors;
 }
 
-/// A gray map, as values in [0, 1].
+/// Values in [0, 1] of a gray map.
 std::vector<float> ValuesOf(const Image8& map) {
   std::vector<float> values;
   for (size_t i = 0; i < map.data.size(); i += static_cast<size_t>(map.channels)) {
@@ -60,7 +60,7 @@ double MeanOf(const std::vector<float>& values) {
   return values.empty() ? 0 : sum / static_cast<double>(values.size());
 }
 
-/// Indices of the cameras by their distance from this one, where a turn by one radian counts as their mean distance.
+/// Indices of the cameras by their distance from this one; a rotation by one radian counts as their mean distance.
 std::vector<size_t> ByDistance(const Camera& from, const std::vector<Camera>& cameras) {
   std::vector<double> distance;
   double unit = 0;
@@ -78,7 +78,7 @@ std::vector<size_t> ByDistance(const Camera& from, const std::vector<Camera>& ca
 
 }  // namespace
 
-/// What the model shows: in its colors, and in the colors of its support.
+/// Renders the model in its own colors and in the colors of its support.
 struct ReportViews::Renderer {
   explicit Renderer(const Model& of) : model(of), rasterizer(MakeRasterizer(of.gaussians.means.device())) {
     if (!of.support.empty()) {
@@ -90,7 +90,7 @@ struct ReportViews::Renderer {
     flat.background = {0, 0, 0};
   }
 
-  /// White where two or more images support a Gaussian, black elsewhere.
+  /// Colors that are white where two or more images support a Gaussian, black elsewhere.
   static Buffer<float> SeenByTwo(const std::vector<float>& support) {
     Buffer<float> colors = Buffer<float>::Zeros({static_cast<int64_t>(support.size()), 3});
     for (size_t i = 0; i < support.size(); ++i) {
@@ -160,7 +160,8 @@ void ReportViews::AddTest(const LoadedView& view) {
   const std::string stem = fmt::format("test_{}", rows_.size());
   const Image8 truth = ToImage8(view.rgb), render = renderer_->Colors(view.camera);
   std::vector<float> errors = ErrorsOf(render, truth);
-  for (size_t p = 0; p < view.mask.size(); ++p) errors[p] = view.mask[p] == 0 ? 0 : errors[p];  // as the scores do
+  for (size_t p = 0; p < view.mask.size(); ++p)
+    errors[p] = view.mask[p] == 0 ? 0 : errors[p];  // masked pixels have no error, as in the scores
   nlohmann::json row = Row(view.name, "test", view.camera, truth);
   row["render"] = files_.Image(stem + "_render", render);
   row["error"] = files_.Image(stem + "_error", InColors(errors, truth.width, truth.height));

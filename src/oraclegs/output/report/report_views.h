@@ -1,5 +1,5 @@
 #pragma once
-// The views of a report: cameras, images, proposals, and what the splat shows from there.
+// Views of a report: cameras, images, proposals, and renders of the splat from there.
 
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -17,9 +17,9 @@ namespace oraclegs {
 /// {"width", "height", "fx", "fy", "cx", "cy", "world_to_camera": 16 numbers, row by row}.
 nlohmann::json CameraToJson(const Camera& camera);
 
-inline constexpr size_t kReportedViews = 48;  ///< of a role; more make the page heavy, not clearer
+inline constexpr size_t kReportedViews = 48;  ///< for each role; more make the page heavy, not clearer
 
-/// Every n-th, so that at most `count` are left.
+/// Elements at even steps, at most `count` of them.
 template <class T>
 std::vector<T> Evenly(const std::vector<T>& all, size_t count) {
   if (all.size() <= count) return all;
@@ -28,25 +28,25 @@ std::vector<T> Evenly(const std::vector<T>& all, size_t count) {
   return chosen;
 }
 
-/// The rows of "views", in the order in which they are added; ids count from 0. With a model each has what the model
-/// shows from there. Images go to the files one by one.
+/// Rows of "views", in the order in which they are added; ids count from 0. With a model each row has a render of it.
+/// Images are written one by one.
 class ReportViews {
  public:
-  /// model: null = there is none yet.
+  /// A null model means that there is none yet.
   ReportViews(const Run& run, const ReportFiles& files, const Model* model);
   ~ReportViews();
 
-  /// All of these before the proposals.
+  /// Call it for all training views before AddProposals.
   void AddTraining(const LoadedView& view);
-  /// The run's proposals, at most 32, with confidence and nearest training view, as far as their files are there.
+  /// Adds the run's proposals, at most 32, with confidence and nearest training view, as far as their files exist.
   void AddProposals();
-  /// With error and support of each pixel. Does nothing without a model.
+  /// Adds a test view with error and support of each pixel. Does nothing without a model.
   void AddTest(const LoadedView& view);
 
   const nlohmann::json& Rows() const;
 
-  /// Where another photo would help most: from the proposals whose pixels are least supported. One sentence each, at
-  /// most three; without a model, or support in it, none.
+  /// Suggests where another photo would help most: at the proposals whose pixels are least supported. At most three
+  /// sentences; none without a model or without support in it.
   std::vector<std::string> Advice() const;
 
  private:
@@ -63,8 +63,8 @@ class ReportViews {
   const ReportFiles& files_;
   std::unique_ptr<Renderer> renderer_;
   nlohmann::json rows_;
-  std::vector<std::string> names_;  ///< of the training views
-  std::vector<Camera> cameras_;     ///< likewise
+  std::vector<std::string> names_;  ///< names of the training views
+  std::vector<Camera> cameras_;     ///< cameras of the training views
   std::vector<Seen> seen_;
 };
 

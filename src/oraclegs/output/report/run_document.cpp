@@ -29,8 +29,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr int64_t kPlanPoints = 20000;  // of the map from above
-constexpr float kSolid = 0.5f;          // opacity of a Gaussian that the map shows
+constexpr int64_t kPlanPoints = 20000;  // points of the map from above
+constexpr float kSolid = 0.5f;          // opacity from which the map shows a Gaussian
 
 std::string ValueText(const json& value) {
   if (value.is_string()) return value.get<std::string>();
@@ -43,13 +43,13 @@ std::string ValueText(const json& value) {
   return text;
 }
 
-/// What stages left to remember, or an empty object.
+/// Record of a stage, or an empty object.
 json RecordOf(const Run& run, const std::string& stage) {
   const json record = run.workspace.Record(stage);
   return record.is_object() ? record : json::object();
 }
 
-/// A file of the workspace, null when it is missing or damaged: it only leaves a part of the page out.
+/// JSON file of the workspace; null when it is missing or damaged, which only leaves out a part of the page.
 json ReadOptional(const fs::path& path) {
   std::error_code ignored;
   if (!fs::exists(path, ignored)) return nullptr;
@@ -77,7 +77,7 @@ json StageRows(const Run& run) {
 
 json Triple(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-/// Where the scene is, whether there is a splat or not.
+/// Position and size of the scene, which need no splat.
 json PlaceOf(const Run& run) {
   const std::vector<Camera> cameras = WorkingCameras(run.scene, run.split.train, run.options.image);
   const Ball ball = LookedAt(cameras);
@@ -85,7 +85,7 @@ json PlaceOf(const Run& run) {
 }
 
 json SplatOf(const Model& model, const ReportFiles& files) {
-  const std::vector<int64_t> order = SpatialOrder(model.gaussians.To(kCpu));  // packs better
+  const std::vector<int64_t> order = SpatialOrder(model.gaussians.To(kCpu));  // compresses better
   const std::string spz = EncodeSpz(Picked(model.gaussians, order), model.render.sh_degree);
   json splat = files.Bytes("splat.spz", spz);
   splat["format"] = "spz";
@@ -97,7 +97,7 @@ json SplatOf(const Model& model, const ReportFiles& files) {
   return splat;
 }
 
-/// Positions and colors of some solid Gaussians, evenly chosen.
+/// Positions and colors of some solid Gaussians, evenly spaced in their list.
 json PlanOf(const Model& model, const ReportFiles& files) {
   const Gaussians host = model.gaussians.To(kCpu);
   std::vector<int64_t> solid;
@@ -119,7 +119,7 @@ json PlanOf(const Model& model, const ReportFiles& files) {
   return points;
 }
 
-/// The shares of the Gaussians beside those of the pixels.
+/// Shares of the Gaussians, added to those of the pixels.
 json SupportOf(const Model& model, const json& metrics) {
   if (model.support.empty()) return nullptr;
   json support = metrics.value("support", json::object());
@@ -150,7 +150,7 @@ json RegistrationOf(const Run& run, const std::vector<std::string>& advice) {
   return registration;
 }
 
-/// Confidence against truth, where `evaluate --check-oracle` has measured it.
+/// Confidence against truth, where `evaluate --check-oracle` has measured it; else null.
 json CalibrationOf(const Run& run) {
   const json oracle = ReadOptional(run.workspace.root() / "oracle.json");
   if (!oracle.is_object() || !oracle.contains("oracle")) return nullptr;
@@ -172,19 +172,20 @@ json LicensesOf(const std::vector<std::string>& non_commercial) {
   return rows;
 }
 
-/// Adds each view's scores to its row.
+/// Adds the scores of each test view to its row.
 void AddScores(const json& metrics, json* views) {
   for (const json& scored : metrics.at("test").value("views", json::array())) {
     for (json& row : *views) {
       if (row["role"] != "test" || row["name"] != scored["name"]) continue;
       for (const char* score : {"psnr", "ssim", "lpips", "psnr_color_corrected"}) {
-        if (scored.contains(score) && scored[score].is_number()) row[score] = scored[score];  // infinite: null
+        if (scored.contains(score) && scored[score].is_number())
+          row[score] = scored[score];  // an infinite score is null
       }
     }
   }
 }
 
-/// The render of the best test view; without one, of the first training view.
+/// Render of the best test view; without test views, of the first training view.
 json HeroOf(const json& views) {
   const json* best = nullptr;
   for (const json& view : views) {
@@ -238,7 +239,7 @@ std::string CommandOf(const Run& run) {
 void WriteStartDocument(Run* run) {
   try {
     std::error_code ignored;
-    run->workspace.MarkUndone("report");  // what stood there was of an older training
+    run->workspace.MarkUndone("report");  // the record there is of an older training
     fs::remove_all(run->workspace.report(), ignored);
     fs::remove(run->workspace.report_page(), ignored);
     const ReportFiles files(run->workspace.root());
@@ -253,7 +254,7 @@ void WriteStartDocument(Run* run) {
     Write(*run, document);
   } catch (const Interrupted&) {
     throw;
-  } catch (const std::exception& error) {  // a look at the run is not worth the run
+  } catch (const std::exception& error) {  // a run does not fail for its report
     run->listener(Warning{fmt::format("{}; the viewer has no images of this run", error.what())});
   }
 }
@@ -269,7 +270,7 @@ json WriteRunDocument(Run* run, const Model& model, const fs::path& video) {
   document["splat"] = SplatOf(model, files);
   document["splat"].update(document["place"]);
   ReportViews views(*run, files, &model);
-  const auto load = [&](int view) {  // one at a time: together they may not fit
+  const auto load = [&](int view) {  // one at a time, since all may not fit into memory
     return std::move(LoadViews(run->scene, {view}, run->options.image, Silent()).front());
   };
   for (const int view : Evenly(run->split.train, kReportedViews)) views.AddTraining(load(view));

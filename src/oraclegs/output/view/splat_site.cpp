@@ -24,9 +24,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kInnerShare = 0.7;  // of the Gaussians, within the radius that is shown at first
+constexpr double kInnerShare = 0.7;  // share of the Gaussians within the radius that is shown first
 
-/// {"up", "center", "radius"}: where the viewer looks at first. Nobody knows what is up: in most files y points down.
+/// {"up", "center", "radius"} of the viewer's first camera. The up direction is unknown: in most files y points down.
 nlohmann::json Framing(const Gaussians& gaussians) {
   std::array<std::vector<double>, 3> axes;
   for (int64_t i = 0; i < gaussians.size(); ++i) {

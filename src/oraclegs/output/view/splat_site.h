@@ -1,5 +1,5 @@
 #pragma once
-// A splat file as a folder that the viewer's server shows.
+// Turns a splat file into a folder for the viewer's server.
 
 #include <filesystem>
 #include <string>
@@ -9,10 +9,10 @@
 
 namespace oraclegs {
 
-/// A fresh folder that only this user can read, gone with everything in it at the end of the scope.
+/// New folder that only this user can read; it is removed with its content at the end of the scope.
 class TemporaryFolder {
  public:
-  /// Throws RunError when there can be none.
+  /// Throws RunError when it cannot be made.
   TemporaryFolder();
   ~TemporaryFolder();
   TemporaryFolder(const TemporaryFolder&) = delete;
@@ -23,13 +23,13 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-inline constexpr int64_t kMaxShownGaussians = 4'000'000;  ///< what a browser can hold
+inline constexpr int64_t kMaxShownGaussians = 4'000'000;  ///< limit of browsers
 
-/// What of a splat is shown: of more than `max` Gaussians those that cover and hide little are left out, with a
-/// warning. Throws InputError naming `file` when it has none.
+/// Gaussians to show. From more than `max` those that cover and hide little are left out, with a warning.
+/// Throws InputError naming `file` when it has none.
 GaussianPly ShownPart(GaussianPly splat, const std::string& file, int64_t max, const Listener& listener);
 
-/// Writes the splat of `file`, in any format, to `folder` as the viewer takes it: report/run.json of kind "file",
+/// Writes the splat of `file`, in any format, to `folder` in the viewer's form: report/run.json of kind "file",
 /// splat.spz, and support.bin where the file has the support of its Gaussians. Throws InputError, UsageError, RunError.
 void WriteSplatSite(const std::filesystem::path& file, const std::filesystem::path& folder, const Listener& listener);
 

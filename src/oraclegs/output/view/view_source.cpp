@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kNewReport = "the command that made this run, given again, writes a new one";
 
-/// True when the report is whole: that of a run that has ended. A damaged one, or one without its splat, is warned of.
+/// True when there is a report of a run that has ended. Warns of a damaged one, or one without its splat.
 bool HasReport(const fs::path& workspace, const Listener& listener) {
   const fs::path file = workspace / "report" / "run.json";
   std::error_code ignored;
@@ -37,7 +37,7 @@ bool HasReport(const fs::path& workspace, const Listener& listener) {
   return true;
 }
 
-/// The run's state as its last writer left it; "" without one.
+/// State of the run that its last writer recorded; "" without one.
 std::string StateOf(const fs::path& workspace) {
   const auto live = Site(workspace).Live();
   if (!live) return "";

@@ -9,16 +9,16 @@
 
 namespace oraclegs {
 
-/// What `oraclegs view` shows: a folder for the server (web/server.h).
+/// Folder that `oraclegs view` gives to the server (web/server.h).
 class ViewSource {
  public:
-  /// `input`: a workspace, whether its run is finished, going on, or not yet there; or a splat file. A workspace
-  /// without a report, of `oraclegs train` or an older version, shows its splat alone, which a note says. Throws
-  /// InputError naming what is neither, or damaged; UsageError for a file of no known format.
+  /// `input` is a workspace, whose run may be finished, going on or not yet begun, or a splat file. A workspace without
+  /// a report (from `oraclegs train` or an older version) shows its splat only, with a note. Throws InputError naming a
+  /// path that is neither, or damaged; UsageError for a file of an unknown format.
   ViewSource(const std::filesystem::path& input, const Listener& listener);
 
   const std::filesystem::path& root() const { return root_; }
-  /// What it is, for a line of output: "a finished run", "a run that goes on", ...
+  /// Kind of the source, for a line of output: "a finished run", "a run that goes on", ...
   const std::string& what() const { return what_; }
 
  private:
