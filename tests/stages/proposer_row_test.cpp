@@ -12,7 +12,7 @@ using testing::ElementsAre;
 class ProposerRowTest : public ProposingTest {
  protected:
   /// Sources of the candidates at the first training view: as a new pose, and held out.
-  static std::vector<std::string> Sources(Run* run, std::optional<int> held_out) {
+  static std::vector<std::string> Sources(oraclegs::Run* run, std::optional<int> held_out) {
     run->results->proposers = nullptr;
     std::vector<std::string> sources;
     for (const Proposal& p : ProposersOf(run).Ask({{"view", ViewsOf(run).views[0].camera}}, {held_out})[0]) {
