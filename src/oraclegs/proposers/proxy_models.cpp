@@ -46,7 +46,7 @@ RunOptions OptionsOfProxies(const Run& run) {
   return options;
 }
 
-/// What follows with all views: of Gaussians that have found their places and colors.
+/// Options of the training that follows with all views, of Gaussians that have found their places and colors.
 TrainOptions FinishOptions(const RunOptions& options, bool is_object, TrainOptions proxy) {
   proxy.iterations = static_cast<int>(options.propose.ProxyFinish(is_object) * options.train.iterations.value());
   proxy.sh_degree_interval = 1;
@@ -54,7 +54,7 @@ TrainOptions FinishOptions(const RunOptions& options, bool is_object, TrainOptio
   return proxy;
 }
 
-/// What stereo knows of the views that are not held out.
+/// Geometry of the views that are not held out.
 Geometry GeometryWithout(const Geometry& all, const std::vector<LoadedView>& shown, const std::vector<int>& held_out) {
   Geometry rest;
   rest.maps = Without(all.maps, held_out);
@@ -107,7 +107,7 @@ class ProxyTrainer {
   }
 
  private:
-  /// Of model `number`, on the device of the run.
+  /// Returns the trainer of model `number`, on the device of the run.
   Trainer TrainerOf(int number, const TrainOptions& options, const std::vector<TrainView>& views,
                     const Gaussians& start) const {
     TrainSetup setup{options,
@@ -143,10 +143,10 @@ class ProxyTrainer {
 
 int Count(const Run& run) { return ProxyCount(run.options.propose, static_cast<int>(run.split.train.size())); }
 
-/// Of model k, in stages.json.
+/// Name of model k's record in stages.json.
 std::string PartName(int k) { return fmt::format("proxy {}", k); }
 
-/// Of model k, relative to the workspace: before it was trained with all views, and after.
+/// Files of model k, relative to the workspace: before it was trained with all views, and after.
 std::vector<std::string> FilesOf(int k) {
   return {fmt::format("proposals/proxies/{}_before.ply", k), fmt::format("proposals/proxies/{}.ply", k)};
 }

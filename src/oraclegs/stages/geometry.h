@@ -17,7 +17,7 @@ struct Geometry {
   /// Fused; in the mean exposure of the images where exposures vary. With what a network predicts where confident
   /// pixels give few.
   std::vector<DensePoint> points;
-  std::vector<Eigen::Vector3f> gains;  ///< of the images' exposures (depth/gains.h)
+  std::vector<Eigen::Vector3f> gains;  ///< gains of the images' exposures (depth/gains.h)
 
   bool HasVariedExposure() const;
 };

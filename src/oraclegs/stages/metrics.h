@@ -7,7 +7,7 @@
 
 namespace oraclegs {
 
-/// What metrics.json holds, from the records of the finished stages and that of "evaluate" (docs/formats.md lists the
+/// Content of metrics.json, from the records of the finished stages and that of "evaluate" (docs/formats.md lists the
 /// keys).
 nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_record);
 

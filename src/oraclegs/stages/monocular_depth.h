@@ -12,7 +12,7 @@
 
 namespace oraclegs {
 
-/// What Depth Anything V2 predicts of each view, at its size, computed on `device`. Reports StepDone{"depth"}. Throws
+/// Depth Anything V2's prediction for each view, at its size, computed on `device`. Reports StepDone{"depth"}. Throws
 /// InputError for a file that does not hold it, UsageError as GetNetworks does, Interrupted.
 std::vector<RelativeDepth> PredictRelativeDepth(const std::filesystem::path& weights,
                                                 const std::vector<LoadedView>& views, const Listener& listener,

@@ -15,7 +15,7 @@ namespace {
 
 /// Proposals whose images exist, all together.
 struct MeasuredProposals {
-  std::vector<float> errors, confidence;  ///< of the pixels that count
+  std::vector<float> errors, confidence;  ///< values of the pixels that count
   BlockSamples blocks, uniform_blocks;
   double psnr = 0;  ///< sum over the views
   int views = 0;

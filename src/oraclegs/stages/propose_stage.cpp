@@ -96,7 +96,7 @@ std::vector<Target> OwnTargets(const Run& run, const Geometry& geometry) {
   return ChooseTargets(request, trajectory, run.listener);
 }
 
-/// What is proposed where. Deterministic: that of an earlier run is found again.
+/// Chooses what is proposed where. Deterministic, so that the choice of an earlier run is found again.
 bool LoadPropose(Run* run) {
   StageResults& known = *run->results;
   const TrainingViews& training = ViewsOf(run);

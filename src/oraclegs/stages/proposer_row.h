@@ -11,7 +11,7 @@ namespace oraclegs {
 
 /// A proposer with everything that stages ask of it. Functions may be null where nothing is said.
 struct ProposerRow {
-  std::string word;            ///< of --proposers; sources of its proposals, and their folders, begin with it
+  std::string word;            ///< word of --proposers; sources of its proposals, and their folders, begin with it
   bool can_hold_out = false;   ///< answers at a training view without that view, which teaches the oracle its errors
   bool sees_anything = false;  ///< paints places that the photos hardly show, and needs no depth
   bool stands_in = false;      ///< asked where no other one can hold a view out

@@ -13,11 +13,11 @@
 
 namespace oraclegs {
 
-/// What Depth Anything V2 sees in the render itself, as FSGS has it: the render is moved, too. Networks compute on
-/// `device`, or, with a warning, on the CPU where libtorch has no CUDA. Throws InputError for a file that is none.
+/// Depth that Depth Anything V2 sees in the render itself, as FSGS has it: the render is moved, too. Networks compute
+/// on `device`, or, with a warning, on the CPU where libtorch has no CUDA. Throws InputError for a file that is none.
 PseudoDepth NetworkPseudoDepth(const std::filesystem::path& weights, Device device, const Listener& listener);
 
-/// What stereo knows of the views, seen from there (propose/warp.h): stands in for a network's. Counts where a depth
+/// Stereo's depth of the views, seen from there (propose/warp.h): stands in for a network's. Counts where a depth
 /// map shows a surface, or nothing beside an object; without any depth it counts nowhere. Throws ShapeError as Warper.
 PseudoDepth StereoPseudoDepth(std::vector<LoadedView> views, std::vector<DepthMap> maps);
 

@@ -8,8 +8,8 @@ namespace oraclegs {
 /// poses, and the views that were registered.
 StageWork RegisterStage();
 
-/// What --poses takes in a workspace whose poses stand already, with the weights that found them, also when those are
-/// no longer on this machine. Nothing = colmap. Throws InputError as RequireVggtWeights where no poses stand.
+/// Network of --poses. In a workspace whose poses stand already it has the weights that found them, also when those are
+/// no longer on this machine. nullopt = colmap. Throws InputError as RequireVggtWeights where no poses stand.
 std::optional<VggtWeights> PoseNetworkOf(const RunOptions& options, const Workspace& workspace);
 
 }  // namespace oraclegs

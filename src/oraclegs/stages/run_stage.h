@@ -21,7 +21,7 @@ bool IsUpToDate(Run* run, const std::vector<Stage>& stages, const std::string& n
 /// believed to be finished.
 void RunStage(Run* run, const std::vector<Stage>& stages, const std::string& name);
 
-/// The same of this stage alone, from the files of those it needs as they are, up to date or not.
+/// Brings this stage alone up to date, from the files of those it needs as they are, up to date or not.
 void RunStageAlone(Run* run, const std::vector<Stage>& stages, const std::string& name);
 
 }  // namespace oraclegs

@@ -39,19 +39,19 @@ struct TrainingViews {
   Silhouettes silhouettes;
 };
 
-/// What finished stages found, held for the stages of this process that need it.
+/// Results of finished stages, held for the stages of this process that need them.
 struct StageResults {
-  std::map<std::string, std::string> keys;     ///< of the stages whose results are held, under which they were found
+  std::map<std::string, std::string> keys;     ///< keys of the stages whose results are held
   std::unique_ptr<TrainingViews> views;        ///< null = not loaded yet (ViewsOf)
-  std::vector<ScenePoint> points;              ///< of "sfm", with indices of the scene's views
-  Geometry geometry;                           ///< of "depth"
-  std::vector<ProxyModel> proxies;             ///< of "proxies"
-  std::vector<Target> targets;                 ///< of "propose": for the run's own proposers
-  FolderProposals folder;                      ///< of "propose": ready-made ones
+  std::vector<ScenePoint> points;              ///< result of "sfm", with indices of the scene's views
+  Geometry geometry;                           ///< result of "depth"
+  std::vector<ProxyModel> proxies;             ///< result of "proxies"
+  std::vector<Target> targets;                 ///< result of "propose" for the run's own proposers
+  FolderProposals folder;                      ///< result of "propose": ready-made ones
   std::shared_ptr<const Proposers> proposers;  ///< null = not made yet (ProposersOf)
-  CandidateStore candidates;                   ///< of "propose"
-  std::vector<TrainView> proposals;            ///< of "validate": what is trained on
-  std::vector<std::string> rejected;           ///< of "validate": names of proposals that are trusted nowhere
+  CandidateStore candidates;                   ///< result of "propose"
+  std::vector<TrainView> proposals;            ///< result of "validate": trained on
+  std::vector<std::string> rejected;           ///< result of "validate": names of proposals that are trusted nowhere
 };
 
 /// Names of the views that train and test, where the others are left out.
@@ -61,7 +61,7 @@ struct NeededViews {
 
 struct Run {
   RunOptions options;
-  std::string version;  ///< of the program, for metrics.json
+  std::string version;  ///< version of the program, for metrics.json
   Plan plan;
   Workspace workspace;
   Scene scene;  ///< has poses, but before stage "register"
@@ -69,7 +69,7 @@ struct Run {
   Listener listener;
   std::string photos;  ///< stands for images that came without poses; "" = the scene has poses of its own
   FileHashes files = {};
-  std::optional<NeededViews> needed = {};        ///< of many photos without poses (needed_photos.h); nothing: all
+  std::optional<NeededViews> needed = {};        ///< kept of many photos without poses (needed_photos.h); nullopt = all
   SceneFrame frame = {};                         ///< that the scene was brought into, once its poses are known
   std::map<std::string, double> predicted = {};  ///< seconds of each stage; empty where nobody asked
   std::unique_ptr<StageResults> results = std::make_unique<StageResults>();
@@ -84,7 +84,7 @@ struct Run {
 /// The training views, loaded when they are first asked for.
 const TrainingViews& ViewsOf(Run* run);
 
-/// What a stage does; each *_stage.h has that of one.
+/// Work of a stage and what is known of it; each *_stage.h has one.
 struct StageWork {
   bool (*wanted)(const Run& run);  ///< false: this run has no such stage, and its results are empty
   /// Adds its own options, and what it reads that no stage has made.

@@ -27,12 +27,12 @@ PointCloud DenseStart(const StartOptions& options, const std::vector<LoadedView>
 
 struct StartPoints {
   PointCloud cloud;
-  std::string source;  ///< of "dense", "sfm" and "random" those that took part, joined by "+"
+  std::string source;  ///< those of "dense", "sfm" and "random" that took part, joined by "+"
 };
 
-/// What a start is chosen from.
+/// Points and views that a start is chosen from.
 struct StartEvidence {
-  const std::vector<LoadedView>& views;  ///< of the training views
+  const std::vector<LoadedView>& views;  ///< training views
   const std::vector<ScenePoint>& sfm;
   const Geometry& geometry;
 };

@@ -23,7 +23,7 @@ constexpr double kProxyDose = 0.5;
 // rates times the root of the ratio, 1000 iterations come as far as 5000 did, and 5000 half a decibel further.
 constexpr double kIterationsOfRates = 30000, kMaxRateScale = 6;
 
-/// What belongs to the length of the run.
+/// Settles what depends on the length of the run.
 void SettleCourse(TrainOptions* options) {
   const int iterations = options->iterations.ValueOr(kUsualIterations);
   const double course = std::max<double>(iterations, options->horizon);

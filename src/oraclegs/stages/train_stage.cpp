@@ -80,7 +80,7 @@ void KeepLastCheckpoint(const Run& run, const Trainer& trainer) {
   }
 }
 
-/// What would be mistaken for the results of these inputs.
+/// Removes metrics.json, which would be mistaken for the result of these inputs.
 void UndoTrain(Run* run, const nlohmann::json&) {
   std::error_code ignored;
   fs::remove(run->workspace.metrics(), ignored);
@@ -97,7 +97,7 @@ std::optional<FoundCheckpoint> NewestSound(const Run& run) {
     try {
       return FoundCheckpoint{path, ReadCheckpoint(path)};
     } catch (const InputError& damage) {
-      run.listener(Warning{fmt::format("{}; what was saved before it is taken", damage.what())});
+      run.listener(Warning{fmt::format("{}; the checkpoint before it is used", damage.what())});
     }
   }
   return std::nullopt;
@@ -175,8 +175,8 @@ PseudoDepth PseudoDepthOf(const Run& run, const TrainingViews& training) {
 /// A trainer of the run's views and proposals, from the start or from a checkpoint, and how it uses LPIPS.
 struct ReadyTrainer {
   std::unique_ptr<Trainer> trainer;
-  std::vector<std::string> names;  ///< of the training views
-  std::vector<SupportView> views;  ///< what the Gaussians are supported by
+  std::vector<std::string> names;  ///< names of the training views
+  std::vector<SupportView> views;  ///< views that support the Gaussians
   std::string lpips;               ///< convention; "" = not used
   nlohmann::json chosen;           ///< for the training options that were automatic
 };
@@ -189,7 +189,7 @@ std::vector<SupportView> SupportViewsOf(const std::vector<TrainView>& images, co
   return views;
 }
 
-/// What is known of the views is given up: it is not kept beside the trainer's copy.
+/// Gives up the run's views and geometry, so that they do not lie in memory beside the trainer's copy.
 ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) {
   StageResults& known = *run->results;
   const TrainingViews& training = ViewsOf(run);

@@ -223,7 +223,7 @@ std::vector<Target> AllTargets(const StageResults& known) {
   return targets;
 }
 
-/// What is trained on: the proposals that are trusted anywhere. Names of the others in `rejected`.
+/// Proposals that are trusted anywhere, which are trained on. Names of the others go to `rejected`.
 std::vector<TrainView> ReadTrusted(const Run& run, std::vector<std::string>* rejected) {
   const std::vector<Target> targets = AllTargets(*run.results);
   std::vector<std::optional<TrainView>> read(targets.size());
