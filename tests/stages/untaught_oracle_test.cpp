@@ -10,7 +10,7 @@
 namespace oraclegs {
 namespace {
 
-/// How often a tampered pixel has less confidence than another one.
+/// Probability that a tampered pixel has less confidence than another one.
 double Auroc(std::vector<std::pair<float, bool>> pixels) {
   std::sort(pixels.begin(), pixels.end());
   double tampered = 0, pairs = 0;
@@ -21,7 +21,7 @@ double Auroc(std::vector<std::pair<float, bool>> pixels) {
   return pairs / (tampered * (static_cast<double>(pixels.size()) - tampered));
 }
 
-/// RMS over the channels.
+/// RMS difference over the channels.
 float ColorDistanceOf(const float* a, const float* b) {
   float squares = 0;
   for (int c = 0; c < 3; ++c) squares += (a[c] - b[c]) * (a[c] - b[c]);
@@ -32,7 +32,7 @@ double MeanConfidenceOf(const ConfidenceMap& map) {
   return std::accumulate(map.begin(), map.end(), 0.0) / static_cast<double>(map.size());
 }
 
-/// An oracle taught on views of a demo scene, and images of spare views, which a generator could have made.
+/// An oracle tamper-trained on views of a demo scene, and images of spare views as a generator could have made them.
 class UntaughtOracleTest : public ProposingTest {
  protected:
   UntaughtOracleTest() {

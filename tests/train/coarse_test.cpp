@@ -10,7 +10,7 @@
 namespace oraclegs {
 namespace {
 
-/// Row by row; 1 x 2 and 2 x 4 pixels are what these tests have.
+/// An image from its values, row by row; 1 x 2 and 2 x 4 pixels are what these tests use.
 Buffer<float> Plane(int64_t height, std::initializer_list<float> values) {
   return Buffer<float>::From({height, static_cast<int64_t>(values.size()) / height}, values);
 }
