@@ -39,7 +39,7 @@ TEST(ExtractFrames, TakesWhatAShortVideoHas) {
   EXPECT_EQ(std::distance(fs::directory_iterator(dir / "out"), fs::directory_iterator()), 6);
 }
 
-/// An ffmpeg that goes wrong, with the real ffprobe.
+/// A failing ffmpeg beside the real ffprobe.
 class FakeFfmpeg {
  public:
   explicit FakeFfmpeg(const std::string& body) : path_(std::getenv("PATH")) {

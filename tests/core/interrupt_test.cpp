@@ -60,7 +60,7 @@ TEST_F(Signaled, AnIgnoredHangupStaysIgnored) {
   EXPECT_FALSE(InterruptRequested());
 }
 
-/// The thread sanitizer reports a flag that is none of threads.
+/// Fails under the thread sanitizer if the flag is not safe between threads.
 TEST_F(Signaled, AnotherThreadMayAsk) {
   std::thread other([] { RequestInterrupt(true); });
   while (!InterruptRequested()) std::this_thread::yield();

@@ -37,7 +37,7 @@ float BlockedSum() {
   return std::accumulate(partial.begin(), partial.end(), 0.f);
 }
 
-/// Ends the process: with 0 when all tasks ran although there is room for the stacks of a few threads alone.
+/// Ends the process: with 0 when all tasks ran although only a few threads' stacks fit into memory.
 [[noreturn]] void RunWithLittleRoom() {
   SetNumThreads(500);
   std::ifstream status("/proc/self/statm");
@@ -55,7 +55,7 @@ TEST(ParallelFor, GoesOnWithFewerThreadsThanAreAskedFor) {
   EXPECT_EXIT(RunWithLittleRoom(), testing::ExitedWithCode(0), "");
 }
 
-/// Ends a child that this process forks, as programs end that know nothing of threads.
+/// Runs tasks in a forked child that ends by exit, like a program that knows nothing of threads.
 [[noreturn]] void RunInAForkedChild() {
   SetNumThreads(3);
   std::atomic<int> runs{0};

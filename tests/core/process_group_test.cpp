@@ -20,7 +20,7 @@ namespace {
 bool g_kernel_is_old = false;
 }  // namespace
 
-/// In place of the C library's: this test can have a kernel without that call.
+/// Replaces the C library's call, so that a test can have a kernel without it.
 extern "C" int close_range(unsigned first, unsigned last, int flags) noexcept {
   if (!g_kernel_is_old) return static_cast<int>(syscall(SYS_close_range, first, last, flags));
   errno = ENOSYS;
@@ -145,7 +145,7 @@ TEST(ProcessGroup, DiesWithAParentThatIsKilled) { TestThatTheGroupDies(false); }
 
 TEST(ProcessGroup, DiesWithItsParentOnKernelsThatCannotCloseManyFilesAtOnce) { TestThatTheGroupDies(true); }
 
-/// The open files of a process, by what their links say.
+/// Open files of a process, as the texts of their links.
 std::vector<std::string> OpenFilesOf(pid_t pid) {
   std::vector<std::string> files;
   for (const auto& fd : std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/fd")) {

@@ -17,7 +17,7 @@ Camera Sized(int width, int height) {
   return camera;
 }
 
-/// The fixture: a map of another size than the camera, points outside, behind and wrong among those that are right.
+/// The fixture: a map of another size than the camera; points outside, behind and wrong among correct ones.
 struct Fixture {
   SafetensorsFile file = OpenGolden("depth_align");
   RelativeDepth map;

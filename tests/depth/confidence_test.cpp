@@ -14,7 +14,7 @@ size_t At(int x, int y) { return static_cast<size_t>(y) * kWidth + static_cast<s
 
 class ConfidenceTest : public testing::Test {
  protected:
-  /// Maps of these cameras that are right.
+  /// Correct maps of these cameras.
   void See(const std::vector<Camera>& cameras) {
     scene_ = SceneOf(TakeAll(kSlanted, cameras), kRange);
     maps_.clear();
@@ -23,7 +23,7 @@ class ConfidenceTest : public testing::Test {
   void Look(int views, double step) { See(Arc(views, step)); }
   std::vector<float> Of(size_t view) const { return Confidence(scene_, view, maps_); }
 
-  /// Leaves nothing known of `view` but a square.
+  /// Makes all of `view` unknown except for a square.
   void KeepSquare(size_t view, int x0, int y0, int side) {
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {

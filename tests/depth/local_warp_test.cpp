@@ -12,7 +12,7 @@ constexpr int kMapWidth = 120, kMapHeight = 90;
 /// Two surfaces that cross the image in stripes.
 float Guess(int x, int y) { return (x / 6 + y / 9) % 2 == 0 ? 0.3f + 0.001f * static_cast<float>(x) : 0.8f; }
 
-/// What the guess should have been: off by a factor and an addend that vary over the image by tens of percent.
+/// True inverse depth: the guess times a factor plus an addend that vary over the image by tens of percent.
 float TrueDepth(int x, int y) {
   const float u = static_cast<float>(x) / kMapWidth, v = static_cast<float>(y) / kMapHeight;
   return (1.1f + 0.25f * std::sin(4 * u)) * Guess(x, y) + 0.08f * v - 0.05f * u;

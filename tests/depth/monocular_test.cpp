@@ -9,8 +9,8 @@
 namespace oraclegs {
 namespace {
 
-/// A view of a plane. Stereo knows it but for a square in the middle; a network guesses it all, in a unit of its
-/// own and bent.
+/// A view of a plane. Stereo knows its depth except for a square in the middle; a network guesses all of it, in a unit
+/// of its own and distorted.
 class MonocularTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -34,7 +34,7 @@ class MonocularTest : public testing::Test {
   }
   static bool IsBlind(int i) { return i % 96 >= 30 && i % 96 < 66 && i / 96 >= 22 && i / 96 < 50; }
 
-  /// Mean relative error where stereo is blind.
+  /// Mean relative error where stereo has no depth.
   double ErrorOf(const DepthMap& map) const {
     double sum = 0;
     int n = 0;

@@ -5,8 +5,8 @@
 namespace oraclegs {
 namespace {
 
-/// A camera at (x, 0, 0) that looks along z, and the depth of a wall at z = 4, of which the left `confident` columns
-/// are.
+/// A camera at (x, 0, 0) that looks along z, with the depth of a wall at z = 4, confident in the left `confident`
+/// columns.
 void AddView(double x, int confident, std::vector<DepthMap>* maps, std::vector<LoadedView>* views) {
   DepthMap map;
   map.camera = {64, 48, 64, 64, 32, 24};

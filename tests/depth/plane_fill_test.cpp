@@ -8,7 +8,7 @@
 namespace oraclegs {
 namespace {
 
-/// Views of one plane, whose depth is known but for a square in the middle of each.
+/// Views of one plane, whose depth is known except for a square in the middle of each.
 class FillPlanesTest : public testing::Test {
  protected:
   void SetUp() override {

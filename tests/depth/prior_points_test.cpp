@@ -8,7 +8,7 @@
 namespace oraclegs {
 namespace {
 
-/// Views of one plane. Stereo knows it but for a square in the middle, where a network does.
+/// Views of one plane. Stereo knows its depth except for a square in the middle, where a network does.
 class PriorPointsTest : public testing::Test {
  protected:
   void SetUp() override {

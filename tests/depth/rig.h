@@ -37,10 +37,10 @@ inline Eigen::Vector3f TextureAt(double u, double v) {
   return rgb;
 }
 
-/// The plane through `point` with `normal`, textured, as the camera sees it; `background` where it does not.
+/// The plane through `point` with `normal`, textured, as the camera sees it; `background` elsewhere.
 struct TexturedPlane {
   Eigen::Vector3d point{0, 0, 0}, normal{0, 0, -1};
-  double half_side = 1e9;  ///< of the square that there is of it
+  double half_side = 1e9;  ///< half the side of the visible square
   Eigen::Vector3f background{1, 1, 1};
 
   /// Depth along the optical axis at a pixel's center, 0 beside the square.

@@ -87,7 +87,7 @@ TEST(EstimateDepth, GoesFromCoarseToFine) {
   EXPECT_EQ(events.steps[8].total, 9);
 }
 
-/// Notes the passes and improves nothing.
+/// Search that records the passes and improves nothing.
 class PassRecorder final : public PlaneSearch {
  public:
   void BeginLevel(const StereoScene&, std::vector<PlaneMap> maps) override { maps_ = std::move(maps); }

@@ -11,7 +11,7 @@
 
 namespace oraclegs {
 
-/// The surfaces that tests look at, through cameras of Arc.
+/// Surfaces for tests with cameras of Arc.
 inline const TexturedPlane kSlanted{{0, 0, 0.3}, Eigen::Vector3d(0.4, -0.3, -1).normalized()};
 inline const TexturedPlane kSteep{{0, 0, 0.3}, Eigen::Vector3d(0.5, -0.3, -1).normalized()};
 inline constexpr DepthRange kSteepRange{1 / 9.f, 1 / 1.5f};
@@ -79,7 +79,7 @@ inline StereoScene SceneOf(const std::vector<LoadedView>& views, const DepthRang
   return scene;
 }
 
-/// Share of the pixels whose inverse depth is within `tolerance` (relative) of the surface's.
+/// Fraction of the pixels whose inverse depth is within `tolerance` (relative) of the surface's.
 inline double ShareRight(const PlaneMap& map, const PlaneMap& truth, float tolerance) {
   size_t right = 0;
   for (size_t i = 0; i < map.planes.size(); ++i) {

@@ -112,7 +112,7 @@ TEST(Evaluate, WarnsOfAFullyMaskedViewAndDoesNotScoreIt) {
   EXPECT_EQ(steps, 2);
 }
 
-/// The share of the values that differ, under a name.
+/// Score "differing": fraction of the values that differ.
 ImageScores Differing() {
   ImageScores scores;
   scores.conventions = {{"differing", "share of the values that differ"}};

@@ -24,7 +24,7 @@ Buffer<float> Interleaved(const Buffer<float>& planar) {
 
 double GoldenNumber(const SafetensorsFile& file, const std::string& name) { return file.Values<double>(name).at(0); }
 
-/// Uniform in [0, 1).
+/// Uniform noise in [0, 1).
 Buffer<float> Noise(const Shape& shape, uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<float> draw;
@@ -33,7 +33,7 @@ Buffer<float> Noise(const Shape& shape, uint64_t seed) {
   return buffer;
 }
 
-/// Each number x becomes change(x).
+/// Replaces each number x by change(x).
 template <class Change>
 Buffer<float> Changed(const Buffer<float>& buffer, const Change& change) {
   const Buffer<float> changed = buffer.Clone();

@@ -21,7 +21,7 @@ OracleQuality Quality(const std::vector<float>& error, const std::vector<float>&
   return OracleQuality::FromPixels(error, confidence);
 }
 
-/// 0, 1/n, ... (n-1)/n
+/// Values 0, 1/n, ... (n-1)/n.
 std::vector<float> Ramp(int n) {
   std::vector<float> ramp(n);
   for (int i = 0; i < n; ++i) ramp[i] = static_cast<float>(i) / static_cast<float>(n);
@@ -105,7 +105,7 @@ TEST(OracleQualityTest, FourPixelsByHand) {
   EXPECT_NEAR(q.spearman, 3 / std::sqrt(4.5 * 5), 1e-12);
 }
 
-/// Each number by its definition, with 8-bit confidence, where ties are common.
+/// Checks each number against its definition, with 8-bit confidence, where ties are common.
 TEST(OracleQualityTest, MatchesBruteForce) {
   for (uint64_t seed = 0; seed < 5; ++seed) {
     Rng rng(seed, RandomStream::kViewOrder);

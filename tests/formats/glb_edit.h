@@ -7,7 +7,7 @@
 
 namespace oraclegs {
 
-/// The same binary glTF with another JSON.
+/// The binary glTF with an edited JSON.
 template <class Edit>
 std::string EditGlb(const std::string& glb, Edit&& edit) {
   const auto length = LoadLittle<uint32_t>(glb, 12);

@@ -20,7 +20,7 @@ Gaussians Row(int64_t n) {
   return g;
 }
 
-/// What the check says when one number of the third of five Gaussians is another one.
+/// Result of the check when `change` alters a number of the third of five Gaussians.
 template <class Change>
 PromiseCheck AfterReading(Change&& change) {
   const Gaussians given = Row(5), read = Row(5);

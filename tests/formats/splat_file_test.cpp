@@ -156,7 +156,7 @@ TEST(SplatFile, SaysThatColorsAreCut) {
   EXPECT_THAT(recorder.warnings, testing::ElementsAre(HasSubstr("colors of 100 of 100 Gaussians")));
 }
 
-/// A number that files of diverged trainings have, or one at an end of what floats can be.
+/// A number as in files of diverged trainings, or an extreme float.
 float ExtremeFloat(std::mt19937_64* random) {
   constexpr float kMost = std::numeric_limits<float>::max(), kLeast = std::numeric_limits<float>::denorm_min();
   constexpr float kExtremes[] = {kMost, 1e30f,  1e10f,  1e5f,   300,   30,   9,        1,
@@ -165,7 +165,7 @@ float ExtremeFloat(std::mt19937_64* random) {
   return (*random)() % 2 == 0 ? value : -value;
 }
 
-/// Plausible Gaussians, of whose numbers one in `rarity` is extreme.
+/// Plausible Gaussians with one extreme number in `rarity`.
 Gaussians ExtremeGaussians(int64_t n, uint32_t rarity, uint64_t seed) {
   Gaussians g = PlausibleGaussians(n, seed);
   std::mt19937_64 random(seed);

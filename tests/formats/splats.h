@@ -13,7 +13,7 @@
 
 namespace oraclegs {
 
-/// Gaussians as training leaves them: of some size and opacity, with weak view-dependent color.
+/// Gaussians like trained ones: of some size and opacity, with weak view-dependent color.
 inline Gaussians PlausibleGaussians(int64_t n, uint64_t seed = 3) {
   Gaussians g = Gaussians::Empty(n);
   g.ForEach([&](const char*, Buffer<float>& t) { t = RandomNormal(t.shape(), seed++); });
@@ -24,7 +24,7 @@ inline Gaussians PlausibleGaussians(int64_t n, uint64_t seed = 3) {
   return g;
 }
 
-/// Largest differences of what is drawn; quaternions by their rotation (of a sign each), opacity and color as such.
+/// Largest differences of drawn quantities: quaternions as rotations (q = -q), opacities and colors after activation.
 struct SplatDistance {
   float means = 0, log_scales = 0, rotation = 0, opacity = 0, color = 0, first_degree = 0, higher_degrees = 0;
 };

@@ -44,7 +44,7 @@ std::string OfVersion4(const std::string& spz, const std::string& extensions = "
   return file + table + streams;
 }
 
-/// The same Gaussians with 24 more bytes of harmonics each, which make degree 3 four.
+/// The file with 24 more bytes of harmonics for each Gaussian, which raises degree 3 to 4.
 std::string WithAFourthDegree(const std::string& spz) {
   const std::string bare = Bare(spz);
   const auto n = LoadLittle<uint32_t>(bare, 8);

@@ -17,8 +17,7 @@ namespace {
 
 using oraclegs::fuzz::Folder;
 
-/// Answers each connection with the next part, and closes it. Every address of every scheme leads here: it is the
-/// proxy.
+/// Answers each connection with the next part, and closes it. It is the proxy for every address of every scheme.
 class AnsweringServer {
  public:
   AnsweringServer() : listener_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {

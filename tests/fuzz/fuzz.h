@@ -13,7 +13,7 @@
 
 namespace oraclegs::fuzz {
 
-/// What no input may bring about. No std::exception, so that nothing under test takes it for an error of its own.
+/// A failure that no input may cause. Not a std::exception, so that no code under test catches it as its own error.
 struct Finding {
   std::string text;
 };
@@ -24,7 +24,8 @@ struct Finding {
 /// Throws a Finding for a message that is empty, or has control characters.
 void CheckMessage(std::string_view message);
 
-/// Nothing comes out of `body` but an error about the input, with a fit message; RunError too where `Others` says so.
+/// Throws a Finding unless `body` ends normally or with an input error of a fit message; RunError is allowed where
+/// `Others` says so.
 template <class... Others, class Body>
 void Try(const Body& body) {
   try {
@@ -47,20 +48,20 @@ class Folder {
   Folder& operator=(const Folder&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  /// Writes a file below it; its path.
+  /// Writes a file below the folder; returns its path.
   std::filesystem::path Put(const std::string& name, std::string_view bytes) const;
 
  private:
   std::filesystem::path path_;
 };
 
-/// The parts between lines "====", for targets that read several files.
+/// Splits the bytes at lines "====", for targets that read several files.
 std::vector<std::string_view> Parts(std::string_view bytes);
 
-/// Part `index`, empty where there is none.
+/// Part `index`; empty where there is none.
 std::string_view PartAt(const std::vector<std::string_view>& parts, size_t index);
 
-/// Numbers and texts off the front of bytes; zeros and empty texts where they end.
+/// Reads numbers and texts off the front of bytes; zeros and empty texts at the end.
 class Bytes {
  public:
   explicit Bytes(std::string_view bytes) : left_(bytes) {}

@@ -7,10 +7,10 @@
 
 namespace oraclegs::fuzz {
 
-/// Larger images differ in time and memory alone, which is bounded by CheckImageSize.
+/// Pixels up to which images are decoded. Larger ones differ in time and memory alone, which CheckImageSize bounds.
 inline constexpr int64_t kSmallPixels = 1 << 16;
 
-/// True when `read` gives a size and it is no larger; errors of the input are allowed.
+/// Whether `read` returns a size that is no larger; errors of the input are allowed.
 template <class Read>
 bool IsSmall(const Read& read) {
   int width = 0, height = 0;

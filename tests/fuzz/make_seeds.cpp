@@ -37,7 +37,7 @@ class Corpus {
   void Add(const std::string& target, const std::string& name, const std::string& bytes) const {
     WriteFileAtomically(root_ / target / ("seed-" + name), bytes);
   }
-  /// What `write` leaves at a path that ends so.
+  /// Bytes that `write` writes to a path that ends in `name`.
   template <class Write>
   std::string Written(const std::string& name, const Write& write) const {
     write(folder_.path() / name);
@@ -212,7 +212,7 @@ void AddWeights(const Corpus& corpus) {
   corpus.Add("checkpoint", "wide", Zip({{"x/data.pkl", Pickle(root)}, {"x/data/0", "a"}}, true));
 }
 
-/// What published checkpoints are made of besides tensors in a dict.
+/// Adds pickles of published checkpoints: objects besides tensors in a dict.
 void AddPickles(const Corpus& corpus) {
   using namespace torch_bytes;  // NOLINT: pieces of pickles
   const auto add = [&](const std::string& name, const std::string& root) {

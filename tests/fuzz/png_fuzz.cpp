@@ -15,7 +15,7 @@ std::string PngChunk(std::string_view type_and_body) {
   return oraclegs::fuzz::Big(type_and_body.size() - 4, 4) + std::string(type_and_body) + oraclegs::fuzz::Big(crc, 4);
 }
 
-/// The chunks, as far as they are whole, with right checksums.
+/// The complete chunks, with right checksums.
 std::string WithPngChecksums(std::string_view file) {
   std::string fixed(file.substr(0, kPngSignature.size()));
   file.remove_prefix(fixed.size());

@@ -9,7 +9,7 @@ namespace {
 
 using SogFiles = std::vector<std::pair<std::string, std::string>>;
 
-/// Names of the images that metas out of the corpus have.
+/// Image names in the metas of the corpus.
 constexpr const char* kSogNames[] = {"means_l.webp", "means_u.webp",       "quats.webp",      "scales.webp",
                                      "sh0.webp",     "shN_centroids.webp", "shN_labels.webp", "support.webp"};
 

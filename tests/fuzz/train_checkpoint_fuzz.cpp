@@ -9,7 +9,7 @@
 
 namespace {
 
-/// With the CRC-32 that stands in the file's metadata, where there is one.
+/// The bytes with the right CRC-32 in the file's metadata, if it has one.
 std::string WithTrainChecksum(std::string file) {
   constexpr std::string_view kMark = "crc32=";
   const size_t at = file.find(kMark);

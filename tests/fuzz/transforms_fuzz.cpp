@@ -8,7 +8,7 @@
 
 namespace {
 
-/// What a scene needs beside its JSON.
+/// Folder with the images and masks of a scene, without its JSON.
 class TransformsFolder : public oraclegs::fuzz::Folder {
  public:
   TransformsFolder() {

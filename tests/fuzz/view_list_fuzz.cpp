@@ -25,7 +25,7 @@ oraclegs::Scene SceneOfNames() {
   return scene;
 }
 
-/// The header of a splat says the length of a unit.
+/// Header comments of a splat, the first of which states the length of a unit.
 std::vector<std::string> FuzzComments(const std::string& text) { return {"a unit is " + text + " m", text}; }
 
 }  // namespace

@@ -32,7 +32,7 @@ class EchoServer {
     thread_.join();
   }
 
-  /// All that it answers until it closes the connection.
+  /// Everything that the server sends until it closes the connection.
   std::string Ask(std::string_view bytes) const {
     const int client = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     sockaddr_in address{};

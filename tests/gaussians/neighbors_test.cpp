@@ -12,7 +12,7 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
 
-/// Every pair, in double.
+/// Brute-force search over every pair, in double.
 std::vector<double> BruteForce(const Points& points) {
   std::vector<double> out;
   for (size_t i = 0; i < points.size(); ++i) {

@@ -11,7 +11,7 @@
 namespace oraclegs {
 namespace {
 
-/// All alike, but for the opacities' logits.
+/// Gaussians that differ in their opacity logits only.
 Gaussians WithLogits(const std::vector<float>& logits) {
   Gaussians g = Gaussians::Zeros(static_cast<int64_t>(logits.size()));
   std::copy(logits.begin(), logits.end(), g.opacity_logits.data());

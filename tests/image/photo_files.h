@@ -59,7 +59,7 @@ class ExifMaker {
     entries_.push_back({tag, type, count, bytes});
   }
 
-  /// The directory as it stands at `at`, followed by its long values and its subdirectories.
+  /// The directory for position `at`, followed by its long values and its subdirectories.
   std::string Directory(size_t at) const {
     const size_t entries = entries_.size() + subs_.size();
     size_t next = at + 2 + 12 * entries + 4;
@@ -84,7 +84,7 @@ class ExifMaker {
   std::vector<std::pair<unsigned, ExifMaker>> subs_;
 };
 
-/// What a phone writes: 26 mm on 36 mm film, 4000 x 3000 pixels.
+/// EXIF as a phone writes it: 26 mm on 36 mm film, 4000 x 3000 pixels.
 inline std::string PhoneExif(unsigned orientation = 1) {
   ExifMaker exif, details, gps;
   exif.Text(0x010F, "Maker");
@@ -115,7 +115,7 @@ inline std::string WithExif(const std::string& jpeg, const std::string& tiff) {
   return jpeg.substr(0, 2) + ExifSegmentOf(tiff) + jpeg.substr(2);
 }
 
-/// x265 never frees the tables of its first encoder: no leak of ours.
+/// Turns the leak check off in a scope: x265 never frees the tables of its first encoder.
 struct UncheckedForLeaks {
 #ifdef ORACLEGS_CHECKS_LEAKS
   UncheckedForLeaks() { __lsan_disable(); }
@@ -213,7 +213,7 @@ inline std::string EncodeTiff(const std::filesystem::path& path, const Image8& i
   return ReadFile(path);
 }
 
-/// Every cut of `bytes` and many damaged ones are given to `decode`, which may only return or throw InputError.
+/// Gives every prefix of `bytes` and many damaged copies to `decode`, which may only return or throw InputError.
 template <class Decode>
 void DecodeDamaged(const std::string& bytes, const Decode& decode) {
   const auto attempt = [&](const std::string& damaged) {

@@ -17,13 +17,13 @@ constexpr auto kGlobal = DepthNormalization::kGlobal;
 
 double DeviationOf(const Eigen::ArrayXd& x) { return std::sqrt((x - x.mean()).square().sum() / (x.size() - 1)); }
 
-/// By the definition, without a mask. `whole` stands for the deviation of the rendered image, which has no gradient.
+/// The loss by its definition, without a mask. `whole`: deviation of the rendered image, which has no gradient.
 struct Reference {
   int64_t height, width, side;
   DepthNormalization normalization;
   double tolerance;
 
-  /// Patch after patch.
+  /// Numbers in the order of the patches.
   Eigen::ArrayXXd Patches(const Eigen::ArrayXd& image) const {
     const int64_t columns = width / side, rows = height / side;
     Eigen::ArrayXXd out(side * side, columns * rows);

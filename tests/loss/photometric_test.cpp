@@ -20,7 +20,7 @@ Pair RandomPair(int64_t height, int64_t width, uint32_t seed) {
   return {ToBuffer(shape, Flat(target) + 0.3f * Flat(noise)), target, RandomUniform({height, width}, seed + 2000)};
 }
 
-/// Moved from `base` along `direction`.
+/// The image moved from `base` along `direction`.
 Buffer<double> Moved(const Buffer<float>& base, const Eigen::ArrayXd& direction, double step) {
   const Buffer<double> moved = Buffer<double>::Empty(base.shape());
   Flat(moved) = Wide(base) + step * direction;

@@ -15,7 +15,8 @@
 
 namespace oraclegs {
 
-/// z along the optical axis of what a ray hits, 0 = nothing. `ray` has unit z in the camera's frame; both in the world.
+/// z along the optical axis of the point that a ray hits, 0 = none. `ray` has unit z in the camera's frame; both
+/// arguments are in the world.
 using ShapeDepth = std::function<double(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray)>;
 
 inline ShapeDepth SphereAt(const Eigen::Vector3d& center, double radius) {
@@ -59,7 +60,7 @@ inline SurfaceView ViewOfShape(const ShapeDepth& shape, const Camera& camera) {
   return SurfaceViewOf(render, camera);
 }
 
-/// Eight from above and eight from below, towards the origin.
+/// Eight cameras from above and eight from below, looking at the origin.
 inline std::vector<Camera> ShapeCamerasAround(double distance) {
   std::vector<Camera> cameras;
   for (int i = 0; i < 16; ++i) {

@@ -74,18 +74,18 @@ inline void ExpectGolden(const Tensor& actual, const SafetensorsFile& file, cons
   testing::Test::RecordProperty(name, text.str());
 }
 
-/// Threads that a test runs on, or kOnGpu.
+/// Number of threads that a test runs on, or kOnGpu.
 inline constexpr int kOnGpu = 0;
 
-/// One, two, and a GPU where there is one.
+/// One thread, two, and a GPU where there is one.
 inline std::vector<int> ThreadsAndGpu() {
   std::vector<int> runs = {1, 2};
   if (torch::cuda::is_available()) runs.push_back(kOnGpu);
   return runs;
 }
 
-/// Runs a test on so many threads or on the GPU, there with convolutions in whole float32, and leaves libtorch as it
-/// was.
+/// Runs a test on that many threads or on the GPU, there with convolutions in full float32, and restores libtorch's
+/// settings.
 class OnThreads : public testing::TestWithParam<int> {
  protected:
   void SetUp() override {

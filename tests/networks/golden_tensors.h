@@ -10,7 +10,7 @@
 
 namespace oraclegs {
 
-/// Where networks of golden weights and their inputs lie: a GPU within a test of OnThreads (fixtures.h) that runs
+/// Device of networks with golden weights and of their inputs: a GPU within a test of OnThreads (fixtures.h) that runs
 /// there.
 inline torch::Device& ParityDevice() {
   static torch::Device device = torch::kCPU;
@@ -23,13 +23,13 @@ inline torch::Tensor GoldenTensor(const SafetensorsFile& file, const std::string
   return torch::tensor(values, torch::kDouble).reshape(file.Get(name).shape);
 }
 
-/// The same as contiguous float32 on ParityDevice, for inputs.
+/// A stored tensor as contiguous float32 on ParityDevice, for inputs.
 inline torch::Tensor GoldenFloat(const SafetensorsFile& file, const std::string& name) {
   return GoldenTensor(file, name).to(ParityDevice(), torch::kFloat);
 }
 
-/// Of a small network in bfloat16 against float. Where the CPU has no instructions for it, libtorch rounds more often,
-/// and errors are up to half as large again as with them.
+/// Largest relative error of a small network in bfloat16 against float. Where the CPU has no instructions for bfloat16,
+/// libtorch rounds more often, and errors are up to half as large again.
 inline constexpr double kMaxHalfError = 0.1;
 
 /// |x - ref|_2 / |ref|_2 in double.

@@ -12,7 +12,7 @@
 
 namespace oraclegs {
 
-/// Makes weights up and keeps them by name.
+/// Parameter source that makes weights up and keeps them by name.
 class KeptParameters : public ParameterSource {
  public:
   explicit KeptParameters(uint64_t seed) : random_(seed) {}

@@ -15,7 +15,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// With the networks of this build.
+/// Skips the tests in builds without networks.
 class PluginTest : public testing::Test {
  protected:
   void SetUp() override {

@@ -7,7 +7,7 @@
 
 namespace oraclegs {
 
-/// All that the paper's pipeline asks for, as `oraclegs models` leaves it.
+/// All networks of the paper's pipeline, as `oraclegs models` stores them.
 inline void MakeTinyNetworks(const std::filesystem::path& models) {
   seva::MakeTinySeva(models);
   WriteTinyVggt(models / "vggt" / "model.safetensors");
@@ -15,7 +15,7 @@ inline void MakeTinyNetworks(const std::filesystem::path& models) {
   MakeTinyLpips(models / "lpips-vgg" / "model.safetensors");
 }
 
-/// What support/network_files.h copies from: the same networks with several weights.
+/// Source files for support/network_files.h: the networks with several weights.
 inline void MakeTinyVariants(const std::filesystem::path& folder) {
   for (const uint64_t seed : {5, 6}) {
     MakeTinyDepthAnything(folder / fmt::format("depth_anything_{}.safetensors", seed), seed);

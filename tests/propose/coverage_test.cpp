@@ -37,7 +37,7 @@ TEST(ChooseByCoverage, GivesSameResultForAnyThreads) {
   EXPECT_EQ(results[0], results[1]);
 }
 
-/// The lazy choice must be that of judging every candidate anew each time.
+/// Greedy choice that judges every candidate anew each time; the lazy choice must equal it.
 TEST(ChooseByCoverage, IsGreedy) {
   const auto points = SpherePoints(1500, 1);
   std::vector<Camera> train = RigAround(3), candidates;

@@ -24,7 +24,7 @@ Target Front() {
   return target;
 }
 
-/// Each was darker before it was trained with all views.
+/// Members of these reds, each darker before it was trained with all views.
 EnsembleProposer ProposerOf(const std::vector<float>& reds) {
   std::vector<ProxyModel> members;
   for (size_t k = 0; k < reds.size(); ++k) {

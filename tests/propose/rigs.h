@@ -16,7 +16,7 @@ inline Camera RigCamera(const Eigen::Vector3d& center, const Eigen::Vector3d& ta
   return camera;
 }
 
-/// Looking at the origin from a distance of 4, at elevations that vary between 10 and 60 degrees.
+/// Cameras that look at the origin from a distance of 4, at elevations that vary between 10 and 60 degrees.
 inline std::vector<Camera> RigAround(int n, double degrees = 360) {
   std::vector<Camera> cameras;
   for (int i = 0; i < n; ++i) {
@@ -29,7 +29,7 @@ inline std::vector<Camera> RigAround(int n, double degrees = 360) {
   return cameras;
 }
 
-/// Looking along +y, near the x-z plane.
+/// Cameras that look along +y, near the x-z plane.
 inline std::vector<Camera> RigForward(int n) {
   std::vector<Camera> cameras;
   for (int i = 0; i < n; ++i) {
@@ -39,7 +39,7 @@ inline std::vector<Camera> RigForward(int n) {
   return cameras;
 }
 
-/// Evenly on a sphere, normals outwards.
+/// Points evenly on a sphere, normals outward.
 inline std::vector<DensePoint> SpherePoints(int n, double radius) {
   std::vector<DensePoint> points;
   for (int i = 0; i < n; ++i) {

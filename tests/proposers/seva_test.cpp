@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// With random networks of a few thousand numbers in temp/models.
+/// Stage with random networks of a few thousand numbers in temp/models.
 class SevaStageTest : public ProposingTest {
  protected:
   static void SetUpTestSuite() {

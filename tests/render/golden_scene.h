@@ -37,13 +37,13 @@ struct GoldenScene {
     visible = file.Values<uint8_t>("visible");
   }
 
-  /// "sh3", "sh0" or "aa".
+  /// Name of the case: "sh3", "sh0" or "aa".
   void Select(const std::string& variant) {
     options.sh_degree = variant == "sh0" ? 0 : std::stoi(file.metadata().at("sh_degree_stored"));
     options.antialiased = variant == "aa";
   }
 
-  /// Row by row: |error| <= 0.02 (|reference| + 0.01 median |reference| over the visible Gaussians).
+  /// Expects for each row: |error| <= 0.02 (|reference| + 0.01 median |reference| over the visible Gaussians).
   void ExpectRowsAgree(const Buffer<float>& x, const Buffer<double>& reference, const std::string& what) const {
     const Eigen::ArrayXd norm = Table(reference).rowwise().norm();
     const Eigen::ArrayXd error = (Table(x).cast<double>() - Table(reference)).rowwise().norm();

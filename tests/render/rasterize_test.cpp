@@ -16,7 +16,7 @@ double MaxError(const Buffer<float>& x, const std::vector<double>& ref) {
   return worst;
 }
 
-/// Share of values further than `tolerance` from the reference: decisions at a threshold may fall the other way.
+/// Fraction of values further than `tolerance` from the reference: decisions at a threshold may fall the other way.
 double FlippedShare(const Buffer<float>& x, const std::vector<double>& ref, double tolerance) {
   const float* v = x.data();
   int64_t flips = 0;

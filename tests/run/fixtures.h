@@ -18,7 +18,7 @@
 
 namespace oraclegs {
 
-/// Tests see no weights but those they name themselves, whatever this machine has fetched.
+/// Hides weights that this machine has fetched: tests see only those they name themselves.
 inline const int kNoModels = setenv("ORACLEGS_MODELS", "/nonexistent", 1);
 
 /// A demo scene of a few tiny photographs.
@@ -48,13 +48,13 @@ inline RunRequest TinyRequest(const std::filesystem::path& scene, const std::fil
   return request;
 }
 
-/// Brings a stage up to date and gives what the stages found.
+/// Brings a stage up to date and returns the results of the stages.
 inline const StageResults& Bring(oraclegs::Run* run, const std::string& stage) {
   RunStage(run, stage);
   return *run->results;
 }
 
-/// As if stage "sfm" had found these points.
+/// Points in place of those of stage "sfm".
 inline void GivePoints(oraclegs::Run* run, std::vector<ScenePoint> points) {
   run->results->points = std::move(points);
   run->results->keys["sfm"] = StageKey(run, Stages(), "sfm");

@@ -10,7 +10,7 @@ namespace {
 
 using testing::UnorderedElementsAreArray;
 
-/// The program's stages, whose work is only to be noted.
+/// The program's stages, with work that is only recorded.
 std::vector<Stage> Noted() {
   std::vector<Stage> stages = Stages();
   for (Stage& stage : stages) {

@@ -23,7 +23,7 @@ inline void WriteImage(const std::filesystem::path& path, int width = 6, int hei
   WritePng(path, {width, height, 3, std::vector<uint8_t>(static_cast<size_t>(width * height * 3), 100)});
 }
 
-/// Appends numbers as they stand in a .bin file.
+/// Appends numbers in the binary form of a .bin file.
 class Bytes {
  public:
   template <class T>

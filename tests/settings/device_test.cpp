@@ -61,7 +61,7 @@ TEST(DeviceTest, ReportsWhyAProgramForGpusTakesTheCpu) {
   EXPECT_THAT(Reported(kCpu, kTwoGpus), testing::IsEmpty());  // it was chosen
 }
 
-/// Networks whose libtorch has CUDA, or not.
+/// Networks whose libtorch has CUDA or not.
 class FakeNetworks : public Networks {
  public:
   explicit FakeNetworks(bool cuda) : cuda_(cuda) {}

@@ -48,7 +48,7 @@ TEST(Fingerprint, OfWeightsIsThatOfNamesShapesAndSamples) {
   }
 }
 
-/// With files read anew.
+/// Fingerprint after rereading the files.
 std::string Print(const Scene& scene, const std::vector<int>& views, int downscale) {
   FileHashes files;
   return ViewsFingerprint(scene, views, {.downscale = downscale}, &files);

@@ -15,7 +15,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// Of all networks, as the presets ask.
+/// Options that use every network, as the presets do.
 RunOptions Everything() {
   RunOptions options;
   options.propose.proposers = ProposerChoice::kSeva;

@@ -16,7 +16,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// $ORACLEGS_MODELS and $HOME for the length of a test.
+/// Sets $ORACLEGS_MODELS and $HOME for the length of a test.
 class WeightsTest : public testing::Test {
  protected:
   ~WeightsTest() override {

@@ -174,7 +174,7 @@ TEST(ColmapRunner, FailsOnACrashAndAMissingProgram) {
   EXPECT_THAT(failure.last_line, StartsWith("cannot start colmap: "));
 }
 
-/// The error of a run that another one may not meet again.
+/// The error of a run that may succeed when repeated.
 std::string PassingErrorOf(const TempDir& dir) {
   const Listener silent = Silent();
   try {

@@ -33,7 +33,7 @@ using testing::StartsWith;
 
 const std::vector<int> kViews{0, 2, 3};  // view 1 is held out
 
-/// An environment without programs: what succeeds here did not run colmap.
+/// An environment without programs: success shows that colmap did not run.
 class NoPrograms {
  public:
   NoPrograms() : old_(std::getenv("PATH")) { setenv("PATH", "/nowhere", 1); }

@@ -45,7 +45,7 @@ class DepthStageTest : public testing::Test {
     return Find(&run, {});
   }
 
-  /// True when stereo ran, which takes steps; reading back takes none.
+  /// Whether stereo ran, which reports steps; reading back reports none.
   bool Searched(const RunRequest& request, Geometry* geometry) {
     auto run = StartRun(request, Silent());
     run.listener = recorder.AsListener();

@@ -43,7 +43,7 @@ class RunStageTest : public testing::Test {
   RunStageTest() { Forget(); }
   ~RunStageTest() override { Fake<'b'>::input = "1", Fake<'b'>::wanted = true, Fake<'b'>::readable = true; }
 
-  /// As another process would find the workspace.
+  /// The workspace as another process would find it.
   void Forget() {
     made.clear(), loaded.clear(), undone.clear();
     run.results = std::make_unique<StageResults>();

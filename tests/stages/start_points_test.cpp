@@ -26,14 +26,14 @@ class StartPointsTest : public testing::Test {
     return run;
   }
 
-  /// On the x axis, 0.01 apart.
+  /// n points on the x axis, 0.01 apart.
   static std::vector<ScenePoint> Points(int n) {
     std::vector<ScenePoint> points(static_cast<size_t>(n));
     for (int i = 0; i < n; ++i) points[static_cast<size_t>(i)].xyz = {0.01 * i, 0, 0};
     return points;
   }
 
-  /// What stereo may find: points of the plane z = 7 that face -z.
+  /// Geometry like that of stereo: points of the plane z = 7 that face -z.
   static Geometry Dense(int n) {
     Geometry geometry;
     for (int i = 0; i < n; ++i) {

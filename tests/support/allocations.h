@@ -5,19 +5,18 @@
 
 namespace oraclegs {
 
-/// Counts what all threads of this program take from the heap, between Begin and End. An executable that links
-/// this gets its malloc.
+/// Counts the heap allocations of all threads between Begin and End. An executable that links this gets its malloc.
 class AllocationCounter {
  public:
   /// Whether this build can count: it needs glibc, and sanitizers bring a malloc of their own.
   static bool Works();
 
   static void Begin();
-  /// How many allocations there were since Begin.
+  /// Number of allocations since Begin.
   static int64_t End();
-  /// How many bytes they asked for, those that were given back included.
+  /// Bytes allocated since Begin, freed ones included.
   static int64_t Bytes();
-  /// Where the first of them came from, one address a line (addr2line -Cfe BINARY ADDRESS shows the source).
+  /// Call stack of the first of them, one address a line (addr2line -Cfe BINARY ADDRESS shows the source).
   static std::string First();
 };
 

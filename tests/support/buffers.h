@@ -19,7 +19,8 @@ Eigen::Map<Eigen::Array<T, Eigen::Dynamic, 1>> Flat(const Buffer<T>& buffer) {
   return {buffer.data(), buffer.count()};
 }
 
-/// The same as a table with a row for each item of the first dimension; the columns are all other dimensions.
+/// The numbers of a buffer as a table with a row for each item of the first dimension; columns are all other
+/// dimensions.
 template <class T>
 Eigen::Map<Eigen::Array<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> Table(const Buffer<T>& buffer) {
   return {buffer.data(), buffer.size(0), buffer.shape().row()};
@@ -41,7 +42,7 @@ Buffer<float> ToBuffer(const Shape& shape, const Eigen::ArrayBase<Derived>& numb
   return buffer;
 }
 
-/// Uniform in [0, 1).
+/// Uniform numbers in [0, 1).
 inline Buffer<float> RandomUniform(const Shape& shape, uint64_t seed) {
   std::mt19937_64 engine(seed);
   std::uniform_real_distribution<float> draw(0.f, 1.f);
@@ -50,7 +51,7 @@ inline Buffer<float> RandomUniform(const Shape& shape, uint64_t seed) {
   return buffer;
 }
 
-/// Standard normal.
+/// Standard normal numbers.
 inline Buffer<float> RandomNormal(const Shape& shape, uint64_t seed) {
   std::mt19937_64 engine(seed);
   std::normal_distribution<float> draw;
@@ -66,13 +67,13 @@ inline Buffer<float> Above(const Buffer<float>& buffer, float threshold) {
   return mask;
 }
 
-/// Of the same shape and the same numbers; NaN equals nothing.
+/// Whether shapes and numbers are equal; NaN equals nothing.
 template <class T>
 bool Equal(const Buffer<T>& a, const Buffer<T>& b) {
   return a.shape() == b.shape() && std::equal(a.span().begin(), a.span().end(), b.span().begin());
 }
 
-/// Of the same shape and the same bytes.
+/// Whether shapes and bytes are equal.
 template <class T>
 bool SameBytes(const Buffer<T>& a, const Buffer<T>& b) {
   return a.shape() == b.shape() &&
@@ -107,7 +108,7 @@ inline Buffer<double> GoldenDouble(const SafetensorsFile& file, const std::strin
   return Buffer<double>::From(Shape(file.Get(name).shape), file.Values<double>(name));
 }
 
-/// The same as float32, for inputs.
+/// A stored tensor as float32, for inputs.
 inline Buffer<float> GoldenFloat(const SafetensorsFile& file, const std::string& name) {
   return Buffer<float>::From(Shape(file.Get(name).shape), file.Values<float>(name));
 }

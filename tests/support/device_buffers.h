@@ -6,7 +6,7 @@
 
 namespace oraclegs {
 
-/// Where the buffers of kernels lie: the emulated device's memory is the host's.
+/// Device of the kernels' buffers: the emulated device's memory is the host's.
 inline Device TestDevice() { return kEmulatedCuda ? kCpu : Device{DeviceKind::kCuda, 0}; }
 
 /// A copy in memory of its own.

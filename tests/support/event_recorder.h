@@ -7,7 +7,7 @@
 
 namespace oraclegs {
 
-/// Remembers what a stage reports.
+/// Records the events of a stage.
 struct EventRecorder {
   std::vector<std::string> warnings, notes, started;
   std::vector<StepDone> steps;

@@ -12,8 +12,8 @@
 namespace oraclegs {
 
 /// Compares every `stride`-th entry of `gradient` with the central difference of `loss()` over the same entry of
-/// `values`, within 2e-3 of the largest entry. Of three steps the best counts: a pixel that crosses a threshold between
-/// the two sides is a jump, not a derivative.
+/// `values`, within 2e-3 of the largest entry. The best of three steps is taken, since a pixel that crosses a threshold
+/// between the two sides is a jump, not a derivative.
 template <class Loss>
 void ExpectCentralDifferences(const char* name, const Loss& loss, std::vector<double>& values,
                               const Buffer<float>& gradient, size_t stride = 1) {

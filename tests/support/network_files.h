@@ -13,7 +13,7 @@
 
 namespace oraclegs {
 
-/// False where this build has no networks, for want of libtorch.
+/// Whether this build has networks, that is libtorch.
 bool HasNetworks();
 #define SKIP_WITHOUT_NETWORKS() \
   if (!oraclegs::HasNetworks()) GTEST_SKIP() << "this build has no networks"
@@ -24,9 +24,9 @@ std::filesystem::path WriteTinyDepthAnything(const std::filesystem::path& path, 
 std::filesystem::path WriteTinyLpips(const std::filesystem::path& path, uint64_t seed = 7);
 std::filesystem::path WriteTinyAlexNetLpips(const std::filesystem::path& path);
 
-/// Stable Virtual Camera below a folder of models: seva, sd21-vae and openclip-vith14.
+/// Files of Stable Virtual Camera below a folder of models: seva, sd21-vae and openclip-vith14.
 void WriteTinySeva(const std::filesystem::path& models);
-/// All that the paper's pipeline asks for, as `oraclegs models` leaves it.
+/// Files of all networks of the paper's pipeline, as `oraclegs models` stores them.
 void WriteTinyNetworks(const std::filesystem::path& models);
 
 /// VGGT: the weights of tests/golden/vggt_tiny as a file of their own, under the official names and with its metadata;

@@ -6,7 +6,7 @@
 
 namespace oraclegs {
 
-/// Waits until it is true, for two minutes: a test's process may get little of a loaded machine.
+/// Waits until the condition is true, for two minutes: a test's process may get little of a loaded machine.
 inline bool WaitUntil(const std::function<bool()>& is_true) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(2);
   while (!is_true()) {

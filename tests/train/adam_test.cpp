@@ -16,12 +16,12 @@ namespace {
 
 constexpr double kBeta1 = 0.9, kBeta2 = 0.999, kEpsilon = 1e-15;
 
-/// The textbook in double, one array.
+/// Textbook Adam in double, one array.
 struct SlowAdam {
   Eigen::ArrayXd p, m, v;
   explicit SlowAdam(const Buffer<float>& start)
       : p(Wide(start)), m(Eigen::ArrayXd::Zero(p.size())), v(Eigen::ArrayXd::Zero(p.size())) {}
-  /// What is not a number counts as zero.
+  /// Takes a step; NaN gradients count as zero.
   void Step(const Buffer<float>& grad, const Eigen::ArrayXd& rate, int64_t t) {
     const Eigen::ArrayXd g = Wide(grad).isNaN().select(0, Wide(grad));
     m = kBeta1 * m + (1 - kBeta1) * g;
@@ -43,7 +43,7 @@ Gaussians RandomGrads(int64_t n, uint64_t seed, int degree) {
   return g;
 }
 
-/// Of every number of n Gaussians, in the order of Tensors.
+/// Learning rate of every number of n Gaussians, in the order of Tensors.
 std::vector<Eigen::ArrayXd> RateOf(const LearningRates& r, int64_t n) {
   Eigen::ArrayXXd sh = Eigen::ArrayXXd::Constant(kShFloats, n, r.sh_rest);
   sh.topRows(3).setConstant(r.sh0);

@@ -14,7 +14,7 @@
 namespace oraclegs {
 namespace {
 
-/// Of one size, opaque, apart from each other.
+/// n opaque Gaussians of one size, apart from each other.
 Gaussians Row(int64_t n, double scale) {
   Gaussians g = RandomGaussians(n, 5);
   for (int64_t i = 0; i < n; ++i) g.means[3 * i] = static_cast<float>(10 * i);
@@ -236,7 +236,7 @@ TEST(TrainerAdaptiveTest, AnIterationThatRefinesTakesNoStep) {
   EXPECT_FALSE(SameBits(trainer.gaussians(), before));
 }
 
-/// The most opacity after each of the first iterations.
+/// The largest opacity after each of the first iterations.
 std::vector<float> MostOpacity(const TrainOptions& options, std::array<float, 3> background, int iterations) {
   Trainer trainer(options, kSeed, background, Photos(1), Start());
   std::vector<float> most{0};

@@ -18,7 +18,7 @@ std::vector<TermKind> Kinds(const LossTerms& terms) {
   return kinds;
 }
 
-/// A view of everything that a view may have.
+/// A view with every plane that a view may have.
 TrainView Complete(const std::string& name, uint64_t seed) {
   const Shape plane{kHeight, kWidth};
   TrainView view{name, CameraOnCircle(0.2), RandomUniform({kHeight, kWidth, 3}, 10 * seed),

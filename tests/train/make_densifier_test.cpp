@@ -7,7 +7,7 @@
 namespace oraclegs {
 namespace {
 
-/// What one refinement leaves of a start with dead Gaussians.
+/// Gaussians after one refinement of a start with dead Gaussians.
 Gaussians Refined(TrainOptions options, bool* adds_noise) {
   options = options.Settled();
   const LossPlan plan(options, Photos(2));

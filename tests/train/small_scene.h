@@ -13,7 +13,7 @@ namespace oraclegs {
 inline constexpr int kWidth = 37, kHeight = 29;
 inline constexpr uint64_t kSeed = 11;
 
-/// Looks at the origin from a circle of radius 3.
+/// A camera on a circle of radius 3 that looks at the origin.
 inline Camera CameraOnCircle(double angle) {
   Camera camera{kWidth, kHeight, 40, 40, kWidth / 2.0, kHeight / 2.0, Eigen::Isometry3d::Identity()};
   camera.cam_from_world.linear() = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()).toRotationMatrix();
@@ -30,7 +30,7 @@ inline Gaussians Truth() {
   return truth;
 }
 
-/// Photos of them, taken by the rasterizer itself.
+/// Photos of the scene, taken by the rasterizer itself.
 inline std::vector<TrainView> Photos(int count) {
   const Gaussians truth = Truth();
   auto rasterizer = MakeRasterizer(kCpu);
@@ -53,7 +53,7 @@ inline Gaussians Start(int64_t n = 60) {
   return start;
 }
 
-/// Refines at 40, 50, ..., so that everything that can happen happens within 100 iterations.
+/// Options that refine at 40, 50, ..., so that every kind of event happens within 100 iterations.
 inline TrainOptions Options(int iterations = 100) {
   TrainOptions options;
   options.iterations = iterations;

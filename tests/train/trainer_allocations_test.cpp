@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kWarmUp = 40, kCounted = 20;
 
-/// Two sizes, one with a mask.
+/// Photos of two sizes, one with a mask.
 std::vector<TrainView> SmallPhotos() {
   auto rasterizer = MakeRasterizer(kCpu);
   std::vector<TrainView> views;
@@ -47,7 +47,7 @@ TEST(AllocationCounterTest, SeesTheHeapsFunctions) {
   EXPECT_GE(count([&] { tensor = Buffer<float>::Empty({5}); }), 1);
 }
 
-/// Of both sizes, with confidence; one with depth.
+/// Proposals of the two sizes, with confidence; one with depth.
 std::vector<TrainView> Proposals() {
   std::vector<TrainView> views = SmallPhotos();
   for (TrainView& view : views) view.confidence = RandomUniform({view.camera.height, view.camera.width}, 114);

@@ -45,7 +45,7 @@ TrainOptions ShortOptions() {
   return options;
 }
 
-/// One iteration after the other, each part of it over all Gaussians.
+/// Iterations without fusing: each part over all Gaussians, one after the other.
 class SlowTrainer {
  public:
   explicit SlowTrainer(const Gaussians& start)

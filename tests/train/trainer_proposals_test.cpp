@@ -15,7 +15,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// What a perfect generator would propose beyond the photos, sure of the left half.
+/// Proposals of a perfect generator beyond the photos, confident in the left half.
 std::vector<TrainView> Proposals(int count) {
   auto views = Photos(count);
   for (int i = 0; i < count; ++i) {

@@ -249,7 +249,7 @@ TEST(TrainerTest, NotFiniteLossNamesIterationAndView) {
   }
 }
 
-/// Hands the Gaussians gradients that are no numbers in one iteration.
+/// Device that gives the Gaussians NaN gradients in one iteration.
 class FailingDevice final : public TrainDevice {
  public:
   FailingDevice(const TrainDeviceSetup& setup, int64_t fails_at)
@@ -312,7 +312,7 @@ TEST(TrainerTest, AGradientThatIsNoNumberLeavesTheLastGoodCheckpoint) {
   }
 }
 
-/// What training makes of a scene that teaches little: numbers, whatever they are.
+/// Expects finite parameters after training on a degenerate scene.
 void ExpectNumbers(std::vector<TrainView> views, const Gaussians& start) {
   Trainer trainer(Options(60), kSeed, {0, 0, 0}, std::move(views), start);
   trainer.Run({}, Silent());

@@ -11,7 +11,7 @@
 namespace oraclegs {
 namespace {
 
-/// Photographs of a textured plane. The held_out ones are proposed right, but for a square of noise in each.
+/// Photos of a textured plane. Proposals of the held-out ones are right, except for a square of noise in each.
 class ConsistencyTest : public testing::Test {
  protected:
   ConsistencyTest() : views(TakeAll(plane, Arc(6, 8))) {

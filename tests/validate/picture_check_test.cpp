@@ -10,7 +10,7 @@
 namespace oraclegs {
 namespace {
 
-/// What the images of a textured plane show at a new pose.
+/// Images of a textured plane, and their warp to a new pose.
 class AgreementTest : public testing::Test {
  protected:
   AgreementTest() : views(TakeAll(plane, Arc(6, 8))) {

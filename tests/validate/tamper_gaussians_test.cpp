@@ -26,7 +26,7 @@ Gaussians Row(int64_t n) {
   return g;
 }
 
-/// Row j of `a` and row i of `b` have the same bits, but for their means where these are not compared.
+/// Whether row j of `a` and row i of `b` have equal bits; means only where they are compared.
 bool SameRow(const Gaussians& a, int64_t j, const Gaussians& b, int64_t i, bool means = true) {
   const GaussianRows x = a.Rows().From(j), y = b.Rows().From(i);
   return (!means || std::memcmp(x.means, y.means, 12) == 0) && std::memcmp(x.log_scales, y.log_scales, 12) == 0 &&

@@ -11,7 +11,7 @@
 namespace oraclegs {
 namespace {
 
-/// How often a tampered pixel has less confidence than another one.
+/// Probability that a tampered pixel has less confidence than another one.
 double Auroc(std::vector<std::pair<float, bool>> pixels) {
   std::sort(pixels.begin(), pixels.end());
   double tampered = 0, pairs = 0;
@@ -22,7 +22,7 @@ double Auroc(std::vector<std::pair<float, bool>> pixels) {
   return pairs / (tampered * (static_cast<double>(pixels.size()) - tampered));
 }
 
-/// RMS over the channels.
+/// RMS difference over the channels.
 float ColorDistanceOf(const float* a, const float* b) {
   float squares = 0;
   for (int c = 0; c < 3; ++c) squares += (a[c] - b[c]) * (a[c] - b[c]);

@@ -14,7 +14,7 @@ double Mean(const Image8& image) {
   return std::accumulate(image.data.begin(), image.data.end(), 0.0) / static_cast<double>(image.data.size()) / 255;
 }
 
-/// Answers with numbers that depend on the pixel, on the reference and on all proposals of the pass.
+/// Network with outputs that depend on the pixel, on the reference and on all proposals of the pass.
 class FakeAttention : public AttentionNetwork {
  public:
   explicit FakeAttention(std::vector<size_t>* passes) : passes_(passes) {}

@@ -115,7 +115,7 @@ TEST_F(LimitedServerTest, TooManyConnectionsAreTurnedAwayAndForgotten) {
   EXPECT_EQ(BodyOf(Raw("GET /after HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n")), "GET /after");
 }
 
-/// Lets this process take as much more memory, the stacks of threads included.
+/// Limits the additional memory of this process, the stacks of threads included.
 void LeaveRoomOf(rlim_t bytes) {
   std::ifstream status("/proc/self/statm");
   rlim_t pages = 0;
@@ -125,7 +125,7 @@ void LeaveRoomOf(rlim_t bytes) {
   setrlimit(RLIMIT_AS, &limit);
 }
 
-/// Ends the process: with 0 when many clients at once are answered by the few threads that there is room for.
+/// Ends the process: with 0 when many simultaneous clients are answered by the few threads that fit into memory.
 [[noreturn]] void ServeWithLittleRoom() {
   LimitedServer server;
   server.set_pre_routing_handler([](const httplib::Request&, httplib::Response& response) {

@@ -10,7 +10,7 @@
 namespace oraclegs {
 namespace {
 
-/// What lies between the document's tags; fails when they are not there.
+/// Text between the document's tags; "no document" without them.
 std::string DocumentOf(const std::string& page) {
   const std::string open = "<script type=\"application/json\" id=\"document\">";
   const size_t begin = page.find(open);

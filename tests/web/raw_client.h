@@ -38,7 +38,7 @@ class RawClient {
     }
     return true;
   }
-  /// All that comes until the server closes, or the head and the body that Content-Length announces.
+  /// Everything received until the server closes, or the head and the body that Content-Length announces.
   std::string Receive() const {
     std::string all;
     std::array<char, 65536> part;
@@ -77,7 +77,7 @@ inline std::string BodyOf(const std::string& answer) {
   return end == std::string::npos ? "" : answer.substr(end + 4);
 }
 
-/// A folder as a server shows it: both documents, an image that is named, and files that are not.
+/// A folder as a server shows it: both documents, an image that they name, and files that they do not.
 inline void MakeSite(const std::filesystem::path& root) {
   WriteText(root / "report" / "run.json",
             R"({"format": 1, "title": "t", "views": [{"image": {"url": "report/images/0.jpg"}}],

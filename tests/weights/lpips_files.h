@@ -29,7 +29,7 @@ inline std::string ZerosFile(const Shapes& shapes) {
   return torch_bytes::ZipFile(torch_bytes::Dict(tensors), storages);
 }
 
-/// The convolutions, a part of the classifier, which is not used, and `more`.
+/// Tensors of the convolutions, a part of the classifier, which is not used, and `more`.
 inline std::string LpipsFeatures(const Shapes& more = {}) {
   Shapes shapes = more;
   for (const auto& [name, tensor] : ParametersOf("lpips-alex").tensors) {
@@ -39,7 +39,7 @@ inline std::string LpipsFeatures(const Shapes& more = {}) {
   return ZerosFile(shapes);
 }
 
-/// The weights of the taps, under the names that some copies have; the first one has so many channels.
+/// Weights of the taps under the names of some copies; the first one has that many channels.
 inline std::string LpipsTaps(int64_t channels = 64) {
   return ZerosFile({{"0.1.weight", {1, channels, 1, 1}},
                     {"1.1.weight", {1, 192, 1, 1}},

@@ -27,7 +27,7 @@ TEST(ParseParameterList, RefusesMalformedLists) {
   EXPECT_THROW(ParametersOf("none"), std::logic_error);
 }
 
-/// The lists of the specification, which were made from the official networks: name, shape 1x2x3, type, numbers.
+/// The parameter lists made from the official networks: name, shape 1x2x3, type, numbers.
 std::map<std::string, std::string> Official(const std::string& file) {
   std::ifstream in(GoldenDir() / (file + "_params.tsv"));
   EXPECT_TRUE(in) << file;

@@ -31,7 +31,7 @@ class ScriptedServer {
   ~ScriptedServer() { Stop(); }
 
   std::string Url(const std::string& path = "/file") const { return fmt::format("http://127.0.0.1:{}{}", port_, path); }
-  /// Ends the server; the requests it got, with all headers.
+  /// Ends the server; returns the requests it got, with all headers.
   const std::vector<std::string>& Requests() {
     Stop();
     return requests_;

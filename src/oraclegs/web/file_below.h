@@ -36,7 +36,7 @@ class FileBelow {
   uint64_t size() const { return size_; }
   /// Text that changes with the content: file, size and time of change.
   const std::string& tag() const { return tag_; }
-  /// Bytes that were read at an offset, fewer than `count` only at the end of the file; nothing on an error.
+  /// Reads at an offset. Returns the number of bytes, below `count` only at the end of the file; nullopt on an error.
   std::optional<size_t> ReadAt(uint64_t offset, char* to, size_t count) const;
   /// Reads the whole file; nullopt when it is larger than `max_bytes`, on an error, or when it became shorter.
   std::optional<std::string> ReadAll(uint64_t max_bytes) const;

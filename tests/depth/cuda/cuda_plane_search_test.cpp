@@ -52,7 +52,7 @@ class CudaPlaneSearchTest : public CudaTest {
     return Search(MakePlaneSearch(kCpu).get(), scene, start, passes);
   }
 
-  /// Share of the pixels with the same plane and cost.
+  /// Fraction of the pixels with equal plane and cost.
   static double Agreement(const PlaneMap& a, const PlaneMap& b) {
     size_t same = 0;
     for (size_t i = 0; i < a.planes.size(); ++i) {

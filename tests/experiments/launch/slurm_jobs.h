@@ -63,7 +63,8 @@ class SlurmJobs : public testing::Test {
   EventRecorder events_;
 };
 
-/// bash that holds so many megabytes until the batch script has noted them in its file N.memory; two minutes at most.
+/// A bash process that holds that many megabytes until the batch script has noted them in its file N.memory; two
+/// minutes at most.
 inline std::string HoldMemory(int megabytes, const std::filesystem::path& noted) {
   const std::string file = ShellQuoted(noted.string());
   return fmt::format(
@@ -72,7 +73,7 @@ inline std::string HoldMemory(int megabytes, const std::filesystem::path& noted)
       megabytes, file);
 }
 
-/// Starts the launcher in a process of its own. Returns its number.
+/// Starts the launcher in a process of its own. Returns its process number.
 template <class Body>
 pid_t Fork(Body&& body) {
   const pid_t child = fork();

@@ -31,7 +31,7 @@ class RealSlurm : public SlurmJobs {
     std::ifstream(dir_ / (name + ".task")) >> task;
     return task;
   }
-  /// One that notes its task, and then waits until the file `go` is there.
+  /// A job that notes its task, and then waits until the file `go` exists.
   Job Waiting(const std::string& name) const {
     return Shell(name, "printf '%s_%s\\n' $SLURM_ARRAY_JOB_ID $SLURM_ARRAY_TASK_ID >" +
                            (dir_ / (name + ".task")).string() + "; until [[ -e " + (dir_ / "go").string() +

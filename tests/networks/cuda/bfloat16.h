@@ -10,10 +10,10 @@
 
 namespace oraclegs {
 
-/// Relative error of rounding to the nearest.
+/// Relative error of rounding to the nearest bfloat16.
 inline constexpr double kBfloat16Error = 1.0 / 256;
 
-/// Cuts the number off: rounding is what the kernels are tested for.
+/// Truncates to bfloat16, since rounding is what the kernels are tested for.
 inline uint16_t CutToBfloat16(float x) {
   uint32_t bits = 0;
   std::memcpy(&bits, &x, sizeof bits);
@@ -37,7 +37,7 @@ inline Halves ToHalves(const Buffer<float>& numbers) {
 }
 inline Halves RandomHalves(const Shape& shape, uint64_t seed) { return ToHalves(RandomNormal(shape, seed)); }
 
-/// Room for results, full of numbers that no test expects.
+/// Memory for results, filled with numbers that no test expects.
 inline Buffer<uint16_t> HalvesToFill(const Shape& shape) {
   return OnTestDevice(Buffer<uint16_t>::Full(shape, CutToBfloat16(1e30f)));
 }

@@ -7,7 +7,7 @@ namespace {
 
 class FrameAttentionTest : public CudaTest {};
 
-/// Its input and what it must give.
+/// Input and expected output of the kernel.
 struct Case {
   Halves qkv;
   Eigen::ArrayXd expected;

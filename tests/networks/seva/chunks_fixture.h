@@ -6,7 +6,7 @@
 
 namespace oraclegs::seva {
 
-/// -1 empty, 1000 + i conditioning view i, j target j.
+/// Codes of the slots: -1 empty, 1000 + i conditioning view i, j target j.
 inline std::vector<int64_t> Codes(const std::vector<Chunk>& chunks) {
   std::vector<int64_t> codes;
   for (const Chunk& chunk : chunks) {
@@ -19,7 +19,7 @@ inline std::vector<int64_t> Codes(const std::vector<Chunk>& chunks) {
   return codes;
 }
 
-/// Of each place after padding the index within the chunk's own list of views of this kind, -1 for another kind.
+/// For each place after padding: its index among the chunk's views of this kind, -1 for another kind.
 inline std::vector<int64_t> Places(const std::vector<Chunk>& chunks, SlotKind kind) {
   std::vector<int64_t> places;
   for (const Chunk& chunk : chunks) {

@@ -40,7 +40,7 @@ TEST(SevaImageFit, WorkingSizesAreMultiplesOf64) {
   EXPECT_EQ(WorkingSize({50, 50}, 10).width, 64);
 }
 
-/// A smooth image that says where each pixel lies.
+/// A smooth image whose colors encode the position.
 Tensor Gradient(int64_t height, int64_t width) {
   const Tensor y = (at::arange(height) + 0.5).div(static_cast<double>(height)).view({1, 1, height, 1});
   const Tensor x = (at::arange(width) + 0.5).div(static_cast<double>(width)).view({1, 1, 1, width});

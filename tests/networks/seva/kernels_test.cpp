@@ -16,11 +16,11 @@ Tensor Noise(at::IntArrayRef shape, double seed) {
   const Tensor x = at::arange(c10::multiply_integers(shape), torch::kDouble);
   return at::sin(x * 12.9898 + seed).mul(43758.5453).frac().mul(2).view(shape).to(torch::kFloat);
 }
-/// Of numbers that bfloat16 has.
+/// Noise that bfloat16 holds exactly.
 Tensor HalfNoise(at::IntArrayRef shape, double seed) { return Noise(shape, seed).to(kDevice, torch::kBFloat16); }
 Tensor Wide(const Tensor& x) { return x.to(torch::kCPU, torch::kFloat); }
 
-/// Of rounding once, where a composition of libtorch's operations rounds after each.
+/// Relative error of rounding once, where a composition of libtorch's operations rounds after each.
 constexpr double kRounding = 0.003;
 
 class SevaKernels : public CudaTest {
@@ -107,7 +107,7 @@ UnetConfig Config() {
   return config;
 }
 
-/// The same made-up weights, rounded, in either type.
+/// Made-up weights rounded to bfloat16, returned in either type.
 class Rounded : public ParameterSource {
  public:
   explicit Rounded(const at::TensorOptions& options) : options_(options) {}
@@ -130,7 +130,7 @@ struct Networks {
   Unet wide = LoadUnet(wide_source, Config()), halves = LoadUnet(half_source, Config());
 };
 
-/// Two sequences of so many frames, and what they are conditioned on.
+/// Two sequences of that many frames, with their conditioning.
 struct Inputs {
   Tensor x, steps;
   Conditions conditions;

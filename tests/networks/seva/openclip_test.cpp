@@ -80,7 +80,7 @@ TEST(OpenClip, NamesAndShapesAreThoseOfThePublishedNetwork) {
   EXPECT_EQ(parameters.shapes(), expected);
 }
 
-/// The weights of the fixture as a file of the whole model: with something of a text half, and less one tensor.
+/// The weights of the fixture as a file of the whole model: with part of a text half, and without one tensor.
 std::filesystem::path WholeModel(const TempDir& dir, const SafetensorsFile& file, const std::string& without = "") {
   std::map<std::string, TensorEntry> tensors;
   for (const auto& [name, entry] : file.tensors()) {

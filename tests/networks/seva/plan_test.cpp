@@ -32,7 +32,8 @@ std::vector<View> Arc(int count, double first_angle) {
   return views;
 }
 
-/// A frame is given only after it was made, every target is made once, every job has the same number of frames.
+/// Expects that a frame is an input only after it was made, every target is made once, and all jobs have the same
+/// number of frames.
 void ExpectSound(const Plan& plan, size_t targets) {
   std::vector<int> anchors(plan.anchors.size()), made(targets);
   const auto count_of = [&](const Frame& frame) -> int& {

@@ -39,7 +39,7 @@ Tensor AsTensor(const std::vector<T>& values) {
   return torch::tensor(std::vector<double>(values.begin(), values.end()), torch::kDouble);
 }
 
-/// The largest difference as a share of the largest value.
+/// The largest difference as a fraction of the largest value.
 inline void ExpectRatio(const Tensor& actual, const Tensor& expected, double tolerance, const std::string& what) {
   ASSERT_EQ(actual.sizes(), expected.sizes()) << what;
   EXPECT_LE(MaxAbsError(actual, expected), tolerance * expected.abs().max().item<double>()) << what;

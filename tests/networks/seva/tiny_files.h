@@ -9,7 +9,7 @@
 
 namespace oraclegs::seva {
 
-/// dir/seva, dir/sd21-vae and dir/openclip-vith14, each with model.safetensors.
+/// Writes dir/seva, dir/sd21-vae and dir/openclip-vith14, each with model.safetensors.
 inline SevaFiles MakeTinySeva(const std::filesystem::path& dir) {
   SevaFiles files{{dir / "seva" / "model.safetensors"},
                   dir / "sd21-vae" / "model.safetensors",

@@ -30,7 +30,7 @@ TEST_P(VaeParity, DecodesAsTheOfficialNetwork) {
 
 INSTANTIATE_TEST_SUITE_P(Threads, VaeParity, testing::ValuesIn(ThreadsAndGpu()));
 
-/// Widths of the published network where sums are longest, few layers.
+/// Few layers with the published network's widths where sums are longest.
 Vae WideVae() {
   VaeConfig config;
   config.channels = {128, 512};

@@ -45,7 +45,7 @@ TEST(VaeTiles, AFrameOfOneTileIsThePlainDecode) {
   EXPECT_TRUE(torch::equal(DecodeTiled(vae, latents, {}), DecodeLatents(vae, latents)));
 }
 
-/// Waves of `period` latent pixels, of unit variance about.
+/// Waves of `period` latent pixels, of about unit variance.
 Tensor Waves(int64_t height, int64_t width, double period) {
   const Tensor y = torch::arange(height).view({1, -1, 1}) * (6.283185 / period);
   const Tensor x = torch::arange(width) * (6.283185 / period);
@@ -59,8 +59,8 @@ double TiledError(const Vae& vae, const Tensor& latents) {
   return RelativeL2(tiled, plain);
 }
 
-/// The norms are all that tells tiles of a smooth frame from the frame: where every tile holds about what the frame
-/// holds the decodes are near each other, and nearer than where it does not.
+/// Group norms are the only difference between tiles of a smooth frame and the frame: where every tile has about the
+/// statistics of the frame the decodes are nearly equal, and nearer than where it does not.
 TEST(VaeTiles, TilesThatHoldWhatTheFrameHoldsAreNearThePlainDecode) {
   const SafetensorsFile file = OpenGolden(kVaeFixture);
   const Vae vae = GoldenVae(file);

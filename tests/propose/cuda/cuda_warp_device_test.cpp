@@ -18,7 +18,7 @@ namespace {
 constexpr int kWarpWidth = 32, kWarpHeight = 24;
 constexpr double kFlipped = kEmulatedCuda ? 0 : 0.02;  // of the pixels: where rounding decides, one device may differ
 
-/// A square before a wall, which neither covers the cameras' edges nor is known everywhere.
+/// A square before a wall; neither reaches the images' edges, and their depth has holes.
 class CudaWarpTest : public CudaTest {
  protected:
   CudaWarpTest() {

@@ -34,7 +34,7 @@ struct Work {
     }
   }
 
-  /// Records of the list, entry by entry; those not written are not a number.
+  /// Records of the list, entry by entry; unwritten ones are NaN.
   std::vector<std::array<float, 12>> Run() const {
     const int tiles_x = (width + kTile - 1) / kTile;
     std::vector<float> image(3 * width * height), alpha(width * height), inv_depth(width * height);
@@ -91,7 +91,8 @@ struct Work {
     }
   }
 
-  /// Compares all records. A decision at a threshold may fall the other way in float: a few may be off by a pixel's.
+  /// Compares all records. A decision at a threshold may fall the other way in float: a few records may be off by one
+  /// pixel's terms.
   void Check(double off_share) const {
     std::vector<std::array<double, 12>> sums(entries.size(), std::array<double, 12>{});
     std::vector<double> sizes(entries.size());

@@ -16,7 +16,7 @@
 namespace oraclegs {
 namespace {
 
-/// Hands blocks to a function.
+/// Consumer that passes blocks to a function.
 class BlockConsumer final : public GradientConsumer {
  public:
   explicit BlockConsumer(std::function<void(int64_t, int64_t, const GaussianRows&)> consume)

@@ -19,7 +19,7 @@ struct Input {
   std::vector<TileRect> rects;
 };
 
-/// Many share a depth; a third is not visible.
+/// Splats of which many share a depth and a third is not visible.
 Input MakeInput(int64_t n) {
   Rng rng(5, RandomStream::kInitialPoints);
   Input in;

@@ -47,7 +47,7 @@ struct SceneCase {
 
 class CudaRasterizerScenes : public OnDevice<testing::TestWithParam<SceneCase>> {};
 
-/// Share of values that differ by more: decisions at a threshold may fall the other way.
+/// Fraction of values that differ by more: decisions at a threshold may fall the other way.
 double DifferingShare(const Buffer<float>& a, const Buffer<float>& b, double tolerance) {
   return ((Flat(a) - Flat(b)).abs().cast<double>() > tolerance).cast<double>().mean();
 }

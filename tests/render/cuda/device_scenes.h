@@ -18,7 +18,7 @@ inline RenderGrads OnTestDevice(const RenderGrads& g) {
   return {OnTestDevice(g.image), OnTestDevice(g.alpha), OnTestDevice(g.inv_depth)};
 }
 
-/// A view of a scene, and what is asked of it.
+/// A view of a scene, with the requested outputs.
 struct RenderTask {
   Gaussians gaussians;
   Camera camera;
@@ -26,7 +26,7 @@ struct RenderTask {
   RenderGrads upstream = {};
 };
 
-/// Copies on the CPU.
+/// Copies of the results on the CPU.
 struct RenderedTask {
   Buffer<float> image, alpha, inv_depth;
   Gaussians grads;

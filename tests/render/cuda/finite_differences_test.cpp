@@ -15,7 +15,7 @@ class FiniteDifferencesTest : public CudaTest {
     task.upstream = RandomUpstream(task.camera, 7);
   }
 
-  /// <upstream, render> of the task as it is.
+  /// <upstream, render> of the task.
   double Loss() {
     Gaussians g = OnTestDevice(task.gaussians);
     const RenderOutput out = rasterizer->Forward(g, task.camera, task.options, RenderPass::kInference);

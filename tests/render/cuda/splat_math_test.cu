@@ -72,7 +72,7 @@ std::vector<float> RandomInputs() {
   return in;
 }
 
-/// Relative to each column's size: single gradients cancel.
+/// Largest error relative to each column's size, since single gradients cancel.
 void ExpectAgreesWithDouble(const std::vector<float>& in, bool antialiased, const std::vector<float>& out) {
   std::vector<double> error(kValues), size(kValues);
   for (int i = 0; i < kSplats; ++i) {

@@ -5,17 +5,17 @@
 
 namespace emulated_cuda {
 
-/// From now on cudaMalloc fails beyond so many bytes in use; the device starts with 2^40.
+/// Makes cudaMalloc fail beyond so many bytes in use; the device starts with 2^40.
 void SetMemory(size_t bytes);
-/// From now on looking for devices gives this; cudaSuccess: there is one.
+/// Makes looking for devices return this status; cudaSuccess: there is one.
 void SetDevices(cudaError_t status);
-/// From now on cudaGetLastError gives this once.
+/// Makes the next cudaGetLastError return this error.
 void SetLastError(cudaError_t error);
 
-/// Since the program began.
+/// Counts since the program began.
 struct Counts {
-  int64_t allocations;  ///< of device or pinned memory
-  int64_t waits;        ///< calls that stop the host until the device has come somewhere
+  int64_t allocations;  ///< allocations of device or pinned memory
+  int64_t waits;        ///< calls that block the host until the device has reached some point
 };
 Counts CountCalls();
 

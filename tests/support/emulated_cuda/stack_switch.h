@@ -35,7 +35,7 @@ class StackSwitch {
   /// The first thing on a new stack; `from` becomes the stack that the thread came from.
   static void Arrive(StackOfOthers* from) { __sanitizer_finish_switch_fiber(nullptr, &from->bottom, &from->bytes); }
 
-  /// Instead of Leave() by who does not come back.
+  /// Replaces Leave() where the fiber does not come back.
   static void LeaveForGood(const StackOfOthers& to) { __sanitizer_start_switch_fiber(nullptr, to.bottom, to.bytes); }
 #else
   void Leave() { (void)other_; }
@@ -49,7 +49,7 @@ class StackSwitch {
   void* kept_ = nullptr;
 };
 
-/// A stack that begins anew: what the sanitizer knew of the frames that were left on it is forgotten.
+/// Resets a reused stack: the sanitizer forgets the frames that were left on it.
 inline void ForgetFrames(void* bottom, size_t bytes) {
 #if defined(ORACLEGS_EMULATED_ASAN)
   __asan_unpoison_memory_region(bottom, bytes);

@@ -20,7 +20,7 @@ namespace {
 
 constexpr size_t kStackBytes = size_t{1} << 17;
 
-/// One operation that lanes of a warp come together for.
+/// One operation of a warp that its lanes meet for.
 struct Exchange {
   unsigned mask = 0, arrived = 0, reading = 0;  // reading: complete, and these lanes have not gone on yet
   WarpOp op = WarpOp::kSync;
@@ -112,7 +112,7 @@ bool CanGoOn(const Fiber& fiber) {
   return fiber.state == Fiber::State::kReady;
 }
 
-/// An order of 0 .. count-1 that a device could have taken too; another one each time.
+/// A random order of 0 .. count-1, which a device could take, too; different each time.
 class AnyOrder {
  public:
   explicit AnyOrder(size_t count) : count_(count), first_(Draw() % count), step_(Draw() % count) {
@@ -130,14 +130,14 @@ class AnyOrder {
   size_t count_, first_, step_;
 };
 
-/// Shared memory begins with what others left there.
+/// Fills shared memory with leftovers, as a device has them.
 void SpoilSharedMemory() {
 #if defined(ORACLEGS_SHARED_SECTION)
   std::memset(__start_emulated_shared, 0xff, static_cast<size_t>(__stop_emulated_shared - __start_emulated_shared));
 #endif
 }
 
-/// Lets the threads of one warp go on until all of them wait for others. Whether any did.
+/// Resumes the threads of one warp until all of them wait for others. Returns whether any could go on.
 bool RunWarp(size_t begin, size_t end) {
   bool any = false;
   const AnyOrder lanes(end - begin);
@@ -154,7 +154,8 @@ bool RunWarp(size_t begin, size_t end) {
   return any;
 }
 
-/// After nobody could go on: opens the barrier that all wait at; false at the end. Throws for anything else.
+/// Opens the barrier at which all threads wait, when no thread can go on; returns false at the end. Throws for any
+/// other cause.
 bool OpenBarrier(size_t threads) {
   size_t done = 0, waiting = 0;
   for (size_t i = 0; i < threads; ++i) {

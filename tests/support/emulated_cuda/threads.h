@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <functional>
 
-/// Where the running thread is; a copy of the runtime's own names.
+/// Position of the running thread; a copy of the runtime's own names.
 extern uint3 threadIdx, blockIdx;
 extern dim3 blockDim, gridDim;
 inline constexpr int warpSize = 32;
@@ -30,7 +30,7 @@ enum class WarpOp { kSync, kShuffle, kVote, kReduce };
 /// are valid until the thread waits again.
 const uint64_t* SyncWarp(unsigned mask, WarpOp op, uint64_t value);
 
-/// Of the running thread.
+/// Lane of the running thread in its warp.
 int Lane();
 
 }  // namespace emulated_cuda

@@ -16,7 +16,7 @@ CovisibilityView WallFrom(double x) {
   return view;
 }
 
-/// Of the pixels of a row.
+/// Values of a row's pixels.
 std::vector<float> RowOf(const Buffer<float>& map, int64_t row) {
   const auto numbers = map.Rows(row, row + 1).span();
   return {numbers.begin(), numbers.end()};

@@ -34,7 +34,7 @@ TEST(DipStatistic, IsAQuarterForTwoHeaps) {
   EXPECT_NEAR(DipStatistic(heaps), 0.125, 1e-9);
 }
 
-/// What the program of the authors finds, as the package diptest of R has it.
+/// Expected values: the authors' program, as in the R package diptest.
 TEST(DipStatistic, AgreesWithThePublishedAlgorithm) {
   EXPECT_NEAR(DipStatistic({-2, -1, 0, 1, 1, 16, 16, 18, 19, 22, 24}), 0.177865613, 1e-9);
   EXPECT_NEAR(DipStatistic({0.188637f, 0.269881f, 0.441904f, 0.487574f, 0.555528f, 0.581577f, 0.84141f}), 0.097030672,

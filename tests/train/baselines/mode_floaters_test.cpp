@@ -10,8 +10,8 @@ namespace {
 /// Looks along z, 48 x 48 pixels.
 Camera Square() { return {48, 48, 48, 48, 24, 24, Eigen::Isometry3d::Identity()}; }
 
-/// A wall at z = 8 of 24 x 24 opaque Gaussians, and behind the last of them one that hangs before it, at z = 2, and
-/// covers 4 x 4 pixels or so.
+/// A wall at z = 8 of 24 x 24 opaque Gaussians, and last in the list a floater before it, at z = 2, which covers about
+/// 4 x 4 pixels.
 Gaussians WallAndFloater(float opacity) {
   constexpr int kSide = 24;
   Gaussians g = RandomGaussians(kSide * kSide + 1, 1);

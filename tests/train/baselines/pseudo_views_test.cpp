@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Of this width, at a place, turned about y.
+/// A camera of this width at a place, rotated about y.
 Camera Turned(int width, const Vector3d& center, double angle) {
   Camera camera{width, 10, 20, 20, width / 2.0, 5, Eigen::Isometry3d::Identity()};
   camera.cam_from_world.linear() = Eigen::AngleAxisd(angle, Vector3d::UnitY()).toRotationMatrix();

@@ -27,7 +27,7 @@ TEST(RandomBackground, IsUniformAndAnotherInEachIteration) {
   EXPECT_NE(RandomBackground(7, 5), RandomBackground(8, 5));
 }
 
-/// The mean alpha of a render where a gray photo is all there is to learn from, before a background as gray.
+/// The mean alpha of a render after training on one gray photo before an equally gray background.
 double CoverAfterTraining(bool random, bool has_alpha) {
   TrainOptions options = Options(150);
   options.baseline.random_background = random;

@@ -20,7 +20,7 @@ struct Lonely {
   }
 };
 
-/// Mean squared distances: 240.4 of the one at x = 16, 90.4 of the one at -9, less than 34 of the others.
+/// Mean squared distances: 240.4 for the one at x = 16, 90.4 for the one at -9, less than 34 for the others.
 ProximityLimits Above(double threshold) { return {threshold, 0}; }
 
 TEST(LonelyGaussians, AreLargeAndFarFromTheOthers) {

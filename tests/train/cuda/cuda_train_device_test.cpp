@@ -17,7 +17,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// Everything that can happen within 60 iterations.
+/// Options under which every kind of event happens within 60 iterations.
 TrainOptions AllAtOnce() {
   TrainOptions options = Options(60);
   options.exposure = ExposureMode::kOn;

@@ -15,7 +15,7 @@ namespace {
 
 Buffer<float> RandomPlane(uint64_t seed) { return RandomUniform({kHeight, kWidth}, seed); }
 
-/// As a file of bytes would hold it.
+/// The image with values rounded as in a file of bytes.
 Buffer<float> InBytes(const Buffer<float>& image) {
   return ToBuffer(image.shape(), (Flat(image).max(0.f).min(1.f) * 255).floor() / 255);
 }
@@ -60,7 +60,7 @@ double Total(const LossSums& sums) {
 
 class CudaViewLossTest : public CudaTest {
  protected:
-  /// Every view once, learning from photos.
+  /// Expects the CPU's losses for photos and proposals in turn.
   void ExpectAsOnTheCpu(const TrainOptions& options, const TrainingData& data) {
     const LossPlan plan(options, data);
     ViewLoss expected(plan);

@@ -36,7 +36,7 @@ class OutOfMemoryTest : public CudaTest {
   }
   CheckpointPolicy Policy(int64_t every) const { return {dir.path(), every, {{"iterations", 60}}}; }
 
-  /// What Run says when nothing more can be allocated after `steps` iterations.
+  /// Message of Run when nothing more can be allocated after `steps` iterations.
   static std::string RunsOut(Trainer* trainer, int steps, const CheckpointPolicy& policy) {
     for (int i = 0; i < steps; ++i) trainer->Step();
     const DeviceMemory memory = MemoryOfDevice();

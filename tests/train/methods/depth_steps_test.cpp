@@ -14,7 +14,7 @@ namespace {
 
 constexpr uint64_t kDepthPartSeed = 5;
 
-/// Photos that know the depth where the scene covers them, but for the last one.
+/// Photos with depth where the scene covers them; the last one has none.
 std::vector<TrainView> PhotosWithDepth(int count) {
   std::vector<TrainView> views = Photos(count);
   auto rasterizer = MakeRasterizer(kCpu);
@@ -35,7 +35,7 @@ TrainSetup DepthSetup(bool hard, int soft_start, int iterations = 100) {
   return {options, kSeed, {0, 0, 0}, PhotosWithDepth(3), Start()};
 }
 
-/// In which positions and opacities move by known rates.
+/// An iteration in which positions and opacities move by known rates.
 Iteration DepthIteration(int64_t number, int photo = 0) {
   Iteration iteration;
   iteration.seed = kDepthPartSeed;
@@ -45,7 +45,7 @@ Iteration DepthIteration(int64_t number, int photo = 0) {
   return iteration;
 }
 
-/// The start after a step, so that all moments are something.
+/// The start after a step, so that no moment is zero.
 TrainedModel MovingModel() {
   TrainedModel model{Start(), Adam(60)};
   model.adam.Step(RandomGaussians(60, 30), {1e-3}, 3, &model.gaussians);
@@ -67,7 +67,7 @@ TrainedModel AfterPart(DepthSteps* part, const TrainedModel& model, const Iterat
   return after;
 }
 
-/// One tensor of these has changed; the others have the same bits.
+/// Expects that only one tensor has changed; the others have equal bits.
 void ExpectOnlyChanged(const TrainedModel& before, const TrainedModel& after, size_t changed) {
   const std::pair<const Gaussians&, const Gaussians&> pairs[] = {
       {before.gaussians, after.gaussians}, {before.adam.m, after.adam.m}, {before.adam.v, after.adam.v}};
@@ -80,7 +80,7 @@ bool SameModel(const TrainedModel& a, const TrainedModel& b) {
   return SameBits(a.gaussians, b.gaussians) && SameBits(a.adam.m, b.adam.m) && SameBits(a.adam.v, b.adam.v);
 }
 
-/// dL/d(raw) of the depth loss of this render, written down once more.
+/// Independent dL/d(raw) of the depth loss of this render.
 Gaussians SlowDepthGradient(const Gaussians& gaussians, const TrainSetup& setup, const Iteration& iteration) {
   auto rasterizer = MakeRasterizer(kCpu);
   const TrainView photo = WithCleanDepth(setup.data.photos[static_cast<size_t>(iteration.view.index)]);

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 constexpr double kWeight = 0.5;
 constexpr int kStart = 20;
 
-/// The depth of the true scene, wherever it is looked at from.
+/// Pseudo depth from the true scene, from any camera.
 PseudoDepth TrueDepthAnywhere() {
   return [](const Camera& camera, const Buffer<float>&, const CompareDepth& compare) {
     const auto rasterizer = MakeRasterizer(kCpu);
@@ -47,7 +47,7 @@ Iteration Numbered(int64_t number) {
   return iteration;
 }
 
-/// What the part adds in an iteration, and its loss.
+/// Gradients that the part adds in an iteration, and its loss.
 struct Added {
   Gaussians grads;
   double loss = 0;
@@ -126,7 +126,7 @@ TEST(PseudoDepths, PassTheDepthsGradientToTheRender) {
   EXPECT_EQ(sh.col(1).abs().maxCoeff(), 0) << "green has no part in it";
 }
 
-/// Mean correlation of the depth with the true one, seen from between the photos, after a training.
+/// Mean correlation of depth with the truth after a training, seen from between the photos.
 double CorrelationAfter(double weight) {
   TrainSetup setup = SetupOf(TrueDepthAnywhere(), 200, 1);
   setup.options.baseline.pseudo_depth_weight = weight;

@@ -36,7 +36,7 @@ Pair Train(TrainSetup setup) {
   return {trainer.gaussians().Clone(), fields->second().Clone()};
 }
 
-/// How far the renders of both differ halfway between two photos.
+/// Difference between the renders of both models halfway between two photos.
 double Disagreement(const Pair& pair) {
   auto rasterizer = MakeRasterizer(kCpu);
   const Camera camera = CameraOnCircle(0.15);

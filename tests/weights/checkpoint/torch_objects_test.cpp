@@ -15,7 +15,7 @@ using testing::HasSubstr;
 using testing::StartsWith;
 using namespace torch_bytes;  // NOLINT: pieces of pickles
 
-/// What the pickle makes, with its heap. The bytes live as long.
+/// Object that the pickle makes, with its heap and the bytes that they refer to.
 struct Made {
   std::string bytes;
   PickleHeap heap;
