@@ -10,9 +10,9 @@
 namespace oraclegs {
 namespace {
 
-constexpr double kCoveredByObject = 0.45;  // of a Blender scene's images
+constexpr double kCoveredByObject = 0.45;  // share of a Blender scene's images
 
-/// What a network does is of no known speed.
+/// True for stages that use a network, whose speed is unknown.
 bool UsesNetwork(const Plan& plan, const RunOptions& options, const std::string& stage) {
   if (stage == "register") return plan.poses.has_value();
   if (stage == "depth") return plan.needs_depth && plan.depth.HasNetwork();
@@ -24,7 +24,7 @@ bool UsesNetwork(const Plan& plan, const RunOptions& options, const std::string&
   return stage == "evaluate" && !plan.lpips.empty();
 }
 
-/// The run goes on: the estimate is an upper bound, and the machine may be about to have more.
+/// Warns only: the estimate is an upper bound, and more memory may become free.
 void WarnOfMemory(int64_t needed, const Listener& listener) {
   const uint64_t available = AvailableMemory();
   if (available == 0 || static_cast<uint64_t>(needed) <= available) return;

@@ -14,13 +14,13 @@ namespace {
 
 // Seconds on the reference machine.
 constexpr double kFeatures = 0.2, kFeaturesOfPixel = 0.47e-6;  // a photo
-constexpr double kMatch = 0.04, kMatchOfSide = 0.22e-3;        // a pair; features grow with the pixels' square root
+constexpr double kMatch = 0.04, kMatchOfSide = 0.22e-3;        // a pair; features grow with the side
 constexpr double kMapping = 3, kMappingOfPhoto = 0.3, kTriangulation = 0.5, kReuse = 0.3;
 constexpr double kStereoOfPixel = 17e-6, kStereo = 0.5;
 constexpr double kIterationOfPixel = 59e-9, kIterationOfGaussian = 107e-9, kIteration = 0.5e-3;
 constexpr double kProposeOfPixel = 0.35e-6, kPropose = 1;
 constexpr double kValidateOfPixel = 1.35e-6, kTeachOracleOfPixel = 5e-6, kValidate = 0.5;
-constexpr double kScoreOfPixel = 0.75e-6, kScore = 0.5, kLoadOfPixel = 26e-9;  // of an image as it came
+constexpr double kScoreOfPixel = 0.75e-6, kScore = 0.5, kLoadOfPixel = 26e-9;  // for an image before resizing
 constexpr double kReport = 0.5, kReportOfPixel = 1e-6, kRenderOfPixel = 0.1e-6, kRenderOfGaussian = 30e-9;
 constexpr int kOrbitFrames = 96;
 
@@ -35,7 +35,7 @@ double PixelsOfView(const EstimateInput& input) {
 
 double CoveredPixels(const EstimateInput& input) { return input.covered * PixelsOfView(input); }
 
-/// As the image came.
+/// Pixels of an image before resizing.
 double FullPixels(const EstimateInput& input) {
   return static_cast<double>(input.scene.largest.width) * input.scene.largest.height;
 }
@@ -56,7 +56,7 @@ double SecondsOfIteration(const EstimateInput& input) {
          kIterationOfGaussian * input.options.train.max_gaussians.value();
 }
 
-/// COLMAP looks at photos of at most kMaxFeatureImageSide pixels.
+/// Seconds for COLMAP's features; COLMAP reduces photos to at most kMaxFeatureImageSide pixels.
 double SecondsOfFeatures(const EstimateInput& input, int photos) {
   const int side = std::max(input.scene.largest.width, input.scene.largest.height);
   const double reduction = std::min(1.0, static_cast<double>(kMaxFeatureImageSide) / side);
@@ -86,7 +86,7 @@ double EstimateSeconds(const std::string& stage, const EstimateInput& input) {
   if (stage == "register") {
     seconds = SecondsOfFeatures(input, input.photos) + kMapping + kMappingOfPhoto * input.photos;
   } else if (stage == "sfm") {
-    const bool found = input.photos > 0 && input.test_views + input.other_views == 0;  // all by registration
+    const bool found = input.photos > 0 && input.test_views + input.other_views == 0;  // registration made all points
     seconds = found ? kReuse : SecondsOfFeatures(input, input.scene.views) + kTriangulation;
   } else if (stage == "depth") {
     seconds = kStereo + kStereoOfPixel * pixels * views;
