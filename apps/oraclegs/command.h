@@ -1,5 +1,5 @@
 #pragma once
-// What all subcommands share: how one is declared, and how it starts.
+// Base class of all subcommands: their declaration and start.
 
 #include <CLI/CLI.hpp>
 #include <functional>
@@ -37,10 +37,10 @@ struct WorkspaceOptions {
   }
 };
 
-/// Whether --help shows a group of options or leaves them to --help-all.
+/// Visibility of a group of options: --help, or only --help-all.
 enum class Level { kBasic, kAdvanced };
 
-/// Whether a command has --config, --quiet and --verbose beside --help.
+/// Choice of general options: --config, --quiet, --verbose and --help, or --help only.
 enum class General { kAll, kHelpAlone };
 
 /// A subcommand: options structs bound to groups of flags, and a body.
@@ -54,7 +54,7 @@ class Command {
   bool Chosen() const { return app_->parsed(); }
   /// Reads --config, --preset and the like, checks all options, runs the body. `command_line` is what was typed.
   void Run(const std::string& command_line);
-  /// All that the help says of it.
+  /// Description of the command for the help.
   CommandInfo Info() const;
   CLI::App* app() const { return app_; }
 
@@ -67,25 +67,26 @@ class Command {
     }));
     checks_.push_back([options] { CheckOptions(*options); });
   }
-  /// The options of a run that RunScopeOf the command's name gives it, and --preset.
+  /// Binds the options of a run that RunScopeOf the command's name gives it, and --preset.
   void BindRun(RunOptions* options);
-  /// --threads, for commands that are no run.
+  /// Binds --threads, for commands that are no run.
   void BindMachine(MachineOptions* options);
-  /// --max-megapixels, likewise.
+  /// Binds --max-megapixels, for commands that are no run.
   void BindFileLimits(FileLimits* options);
   void BindInput(const char* name, std::filesystem::path* path, const char* help);
-  /// One path or more.
+  /// Binds a positional argument of one path or more.
   void BindInputs(const char* name, std::vector<std::filesystem::path>* paths, const char* help);
 
-  /// May set options that no file and no flag has set, from what the command works on.
+  /// May set options, from the command's input, that no file and no flag has set.
   virtual void ApplyDefaults() {}
-  /// Whether this process computes, so that a device that this machine lacks is refused before any work.
+  /// True when this process computes, so that a device that this machine lacks is refused before any work.
   virtual bool ComputesHere() const { return true; }
   virtual void Body(const Listener& listener) = 0;
 
-  /// Where options of files and of saved runs go: the command's own, and what RunScope keeps from the command line.
+  /// Targets for options of files and saved runs: the command's own, and those that RunScope hides from the command
+  /// line.
   OptionTargets Targets() { return {app_, &unused_}; }
-  /// What was typed, as a shell would read it again.
+  /// Command line as typed, quoted for a shell.
   const std::string& CommandLine() const { return command_line_; }
   /// Prints to stdout, unless --quiet was given.
   void Print(const std::string& text) const;
@@ -98,9 +99,9 @@ class Command {
   std::string example_;
   std::vector<OptionInfo> options_;  ///< all that app_ has
   OutputOptions output_;
-  const MachineOptions* machine_ = nullptr;  ///< of the derived class
-  const FileLimits* file_limits_ = nullptr;  ///< likewise
-  const DeviceOptions* device_ = nullptr;    ///< likewise, where there is a choice
+  const MachineOptions* machine_ = nullptr;  ///< machine options of the derived class
+  const FileLimits* file_limits_ = nullptr;  ///< file limits of the derived class
+  const DeviceOptions* device_ = nullptr;    ///< device options of the derived class; null = no choice
   std::filesystem::path config_;
   std::string preset_;
   std::string command_line_;
@@ -110,7 +111,7 @@ class Command {
 /// Throws UsageError when -o was not given.
 void RequireOut(const std::filesystem::path& out);
 
-/// The lines that end a run: scores, sizes, times, and where the files are.
+/// Last lines of a run's output: scores, sizes, times, and the places of the files.
 std::string SummaryOf(const nlohmann::json& metrics, const std::filesystem::path& workspace);
 
 // One per file of this folder.

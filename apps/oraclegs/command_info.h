@@ -1,5 +1,5 @@
 #pragma once
-// What the program says of its commands: the one list that --help, the man page and the shell completion are made of.
+// Descriptions of the commands, from which --help, the man page and the shell completion are made.
 
 #include <string>
 #include <vector>
@@ -8,7 +8,7 @@ namespace oraclegs {
 
 struct OptionInfo {
   std::string name;                     ///< without the dashes
-  char letter = 0;                      ///< of -o; 0 = none
+  char letter = 0;                      ///< one-letter name, as in -o; 0 = none
   std::string value = {};               ///< "PATH": what stands for the value; empty for a flag
   std::string help = {};                ///< one or more sentences, without a full stop
   std::string values = {};              ///< "1 .. 64, default 1": range, words and default; may be empty
@@ -16,7 +16,7 @@ struct OptionInfo {
   std::vector<std::string> words = {};  ///< all that it may be set to, when these are words
   std::string group = {};
   bool negatable = false;   ///< --no-NAME is there, too
-  bool default_on = false;  ///< of a flag
+  bool default_on = false;  ///< for flags
   bool basic = true;        ///< shown by --help; others by --help-all alone
   bool hidden = false;      ///< accepted, but of no use to this command: shown nowhere
 };

@@ -22,7 +22,7 @@ std::string OptionNames(const CommandInfo& command) {
   return names;
 }
 
-/// What the first argument may be where these are words: of completion, help and models.
+/// Words for the first argument of completion, help and models; "" for other commands.
 std::string ArgumentWords(const CommandInfo& command, const Catalog& commands) {
   if (command.name == "completion") return "bash zsh fish";
   if (command.name == "models") return "list fetch check convert";
@@ -32,7 +32,7 @@ std::string ArgumentWords(const CommandInfo& command, const Catalog& commands) {
   return fmt::format("{}", fmt::join(names, " "));
 }
 
-/// Option -> its words, of all commands: an option of one name has the same words everywhere, or the first's.
+/// Words of each option, by its name; the first command with an option decides.
 std::map<std::string, std::string> WordsOfOptions(const Catalog& commands) {
   std::map<std::string, std::string> words;
   for (const CommandInfo& command : commands) {
@@ -45,7 +45,7 @@ std::map<std::string, std::string> WordsOfOptions(const Catalog& commands) {
 
 bool IsPath(const OptionInfo& option) { return option.value == "PATH" || option.value == "FILE"; }
 
-/// "name|other": those whose value is no path and no word, so that nothing is offered.
+/// "--name|--other": options whose value is neither a path nor a word, for which nothing is offered.
 std::string OtherValues(const Catalog& commands) {
   std::vector<std::string> names;
   for (const CommandInfo& command : commands) {

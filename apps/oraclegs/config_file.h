@@ -21,11 +21,11 @@ struct OptionTargets {
 /// value does not fit.
 void ApplyConfigFile(const std::filesystem::path& file, const OptionTargets& targets);
 
-/// The same from the preset of this name; the message for an unknown one lists those that exist.
+/// Sets options from the preset of this name; the message for an unknown one lists the presets.
 void ApplyPreset(const std::string& name, const OptionTargets& targets);
 
-/// The same from a run's saved options; names that the command does not know are passed over. Throws InputError naming
-/// the file when a value does not fit.
+/// Sets options from a run's saved ones; names that the command does not know are ignored. Throws InputError naming the
+/// file when a value does not fit.
 void ApplySavedOptions(const nlohmann::json& options, const std::filesystem::path& file, const OptionTargets& targets);
 
 }  // namespace oraclegs

@@ -105,7 +105,7 @@ class EvaluateCommand : public SourceCommand {
   }
 
  private:
-  /// What is scored was asked for: a scene without a run has test views, too.
+  /// Holds out test views of a scene without a run, too, since scores need them.
   void ApplyDefaults() override {
     SourceCommand::ApplyDefaults();
     if (!InputIsWorkspace() && app()->get_option("--eval")->count() == 0) options_.split.eval = true;

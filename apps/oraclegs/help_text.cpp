@@ -12,7 +12,7 @@ namespace {
 constexpr size_t kNameColumn = 30, kLineWidth = 100;
 constexpr size_t kFewAdvanced = 3;  // so many more options need no second help
 
-/// What a beginner needs, in this order; a command's own options come between the two.
+/// Options for beginners, in this order; a command's own options come between the two lists.
 constexpr std::array kFirst = {"out", "quality", "preset", "max-size", "eval", "views", "frames", "iterations"};
 constexpr std::array kLast = {"view", "seed", "device", "config", "overwrite", "quiet", "help"};
 

@@ -17,7 +17,7 @@ struct InfoOptions {
   }
 };
 
-/// Numbers of four digits, lists in parentheses, "key value, key value" of objects.
+/// Text of a value: numbers of four digits, lists in parentheses, "key value, key value" for objects.
 std::string ShownValue(const nlohmann::json& value) {
   if (value.is_string()) return OneLine(value.get<std::string>());
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
@@ -32,7 +32,7 @@ std::string ShownValue(const nlohmann::json& value) {
   return value.is_array() ? "(" + text + ")" : text;
 }
 
-/// Those that the run was given, or that an option's default has become.
+/// Options that differ from the defaults.
 nlohmann::json ChangedOptions(const nlohmann::json& options) {
   const nlohmann::json usual = RunOptionsToJson(RunOptions{});
   nlohmann::json changed = nlohmann::json::object();
@@ -53,7 +53,7 @@ std::string ShownItem(const std::string& key, const nlohmann::json& value) {
   return ShownValue(value);
 }
 
-/// What nobody misses where there is none.
+/// True for a trouble counter that is zero; such lines are not printed.
 bool IsIdle(const std::string& key, const nlohmann::json& value) {
   const bool counts_trouble = key == "masks" || key == "unreadable_images" || key == "missing_images";
   return counts_trouble && (value == 0 || (value.is_array() && value.empty()));

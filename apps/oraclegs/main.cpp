@@ -24,7 +24,7 @@ constexpr int kFailed = 4;
 constexpr const char* kMemoryAdvice =
     "out of memory; lower --max-gaussians or --random-points, or raise --downscale, and run the same command again";
 
-/// True when what was printed did not arrive, other than at a reader that wanted no more or where there is no output.
+/// True when output was lost, other than because its reader ended or there is no output.
 bool OutputIsLost() {
   const bool failed = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
   if (!failed || fcntl(STDOUT_FILENO, F_GETFD) < 0) return false;

@@ -16,7 +16,7 @@ std::vector<std::string> CommandNames(const CLI::App& app) {
   return names;
 }
 
-/// Also the negated ones.
+/// Names of all options, including negated ones.
 std::vector<std::string> OptionNames(const CLI::App& command) {
   std::vector<std::string> names;
   for (const CLI::Option* option : command.get_options()) {

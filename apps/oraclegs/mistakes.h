@@ -1,5 +1,5 @@
 #pragma once
-// What the user typed that the command line does not know, in one sentence with the likely meaning.
+// Mistakes on the command line, in one sentence with the likely meaning.
 
 #include <CLI/CLI.hpp>
 #include <optional>
@@ -8,11 +8,11 @@
 
 namespace oraclegs {
 
-/// Of the words after "oraclegs": an unknown command or option; nothing when there is none. Words after "--" and values
-/// are not looked at.
+/// Unknown command or option among the words after "oraclegs"; nullopt when there is none. Words after "--" and values
+/// are not checked.
 std::optional<std::string> FindMistake(const std::vector<std::string>& words, const CLI::App& app);
 
-/// The same for what CLI11 refuses.
+/// Explains an error of CLI11.
 std::string Explain(const CLI::ParseError& error, const CLI::App& app);
 
 }  // namespace oraclegs

@@ -18,7 +18,8 @@ std::string CommandLineOf(int argc, char** argv) {
   return line;
 }
 
-/// What was typed, last first, as CLI11 takes it. It would read a path "[2024]" as a list.
+/// Words of the command line, last first, as CLI11 takes them. A path "[2024]", which it would read as a list, gets
+/// "./".
 std::vector<std::string> ForParser(int argc, char** argv) {
   std::vector<std::string> words;
   for (int i = argc - 1; i > 0; --i) {

@@ -27,7 +27,7 @@ Names And(Names names, const Names& more) {
   return names;
 }
 
-/// For what works with a trained model: its scene, the size of its images, the machine.
+/// Scope of commands on a trained model: its scene, the size of its images, the machine.
 RunScope OfModel(Names with_options, Names more_groups = {}) {
   return {And(GroupsFrom("Stereo", {"Basic", "Input", "Start"}), more_groups),
           std::move(with_options),

@@ -16,7 +16,7 @@ SourceCommand::SourceCommand(CLI::App* app, const std::string& name, const std::
 
 namespace {
 
-/// Opens a run without saying again what its own commands have said: warnings and long work alone are shown.
+/// Opens a run and reports only warnings and long work, since the run's own commands reported the rest.
 oraclegs::Run OpenQuietly(const RunRequest& request, const Listener& listener) {
   oraclegs::Run run = OpenRun(request, [&](const Event& event) {
     if (std::holds_alternative<Warning>(event) || std::holds_alternative<StepDone>(event)) listener(event);
@@ -25,7 +25,7 @@ oraclegs::Run OpenQuietly(const RunRequest& request, const Listener& listener) {
   return run;
 }
 
-/// Throws InputError naming the file when an option there cannot be.
+/// Options of a saved run. Throws InputError naming the file for an impossible value.
 RunOptions ReadSavedOptions(const std::filesystem::path& workspace) {
   const std::filesystem::path file = WorkspacePaths(workspace).options();
   RunOptions options;

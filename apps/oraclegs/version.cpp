@@ -25,7 +25,7 @@ std::string NameOf(int64_t target) {
   return name == "AVX3" ? "AVX-512" : name == "AVX3_DL" ? "AVX-512 of Ice Lake" : name;
 }
 
-/// A better instruction set has a lower bit.
+/// Instruction sets that are built and in use; a better one has a lower bit.
 std::string InstructionSetsText() {
   std::string in_use = "none of them", built;
   for (int bit = 62; bit >= 0; --bit) {

@@ -66,7 +66,7 @@ class WorkspaceCommand : public Command {
     }
   }
 
-  /// A run is worth more than a look at it.
+  /// Serves the viewer; a failure is a warning, since the run matters more.
   void StartViewing(const Listener& listener, std::optional<Viewing>* viewing) const {
     try {
       viewing->emplace(workspace_.out, viewer_, listener);

@@ -4,7 +4,7 @@
     nerfbaselines train --method oraclegs --backend python --data external://mipnerf360/garden --set iterations=10000
 
 A run is one iteration of NerfBaselines: proposals, oracle and training of `oraclegs.reconstruct` belong together. All
-images of the dataset train. Of the dataset's points nothing is used: points are triangulated from the training images.
+images of the dataset train. The dataset's points are not used: points are triangulated from the training images.
 """
 
 from __future__ import annotations

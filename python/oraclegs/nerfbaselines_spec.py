@@ -1,4 +1,4 @@
-"""What NerfBaselines reads of the method: NERFBASELINES_REGISTER names this file. Its backend is `python`: the package
+"""Registration of the method in NerfBaselines: NERFBASELINES_REGISTER names this file. Its backend is `python`: the package
 oraclegs stands in the environment that runs NerfBaselines."""
 
 from nerfbaselines import register

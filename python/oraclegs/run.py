@@ -42,7 +42,7 @@ def reconstruct(inputs: Union[PathLike, Iterable[PathLike]], out: PathLike, prog
     stage "note" for lines of text; an exception of it stops the run at a safe point and goes on to the caller, as
     Ctrl-C (KeyboardInterrupt) does. Warnings of the run are Python warnings. Other Python threads run meanwhile.
 
-    Returns what metrics.json holds. Raises UsageError for an option, InputError for a file that is wrong, RunError when
+    Returns the content of metrics.json. Raises UsageError for an option, InputError for a file that is wrong, RunError when
     the run fails, OutOfMemory when memory ends. One run at a time in a process.
     """
     text = json.dumps(_checked(options))

@@ -20,7 +20,7 @@ PathLike = Union[str, "os.PathLike[str]"]
 
 @dataclass(frozen=True, eq=False)
 class DepthMap:
-    """What is known of the distances in a training view."""
+    """Depth of a training view, as far as it is known."""
 
     inverse_depth: np.ndarray  #: (H, W) 1 / z in 1 / world units; 0 = unknown
     confidence: np.ndarray  #: (H, W) in [0, 1]; depth is used from 0.5 on
@@ -65,7 +65,7 @@ class Proposal:
 
     @property
     def image(self) -> np.ndarray:
-        """(H, W, 3) in [0, 1]: what training uses."""
+        """(H, W, 3) in [0, 1], as training uses it."""
         return _core.read_image(os.fspath(self._root / "proposals" / f"{self.name}.png"))
 
     @property
@@ -149,7 +149,7 @@ class Workspace:
 
     @property
     def curves(self) -> Dict[str, np.ndarray]:
-        """How training went (train.csv): an array for each column, NaN where a row has no value."""
+        """Curves of the training (train.csv): an array for each column, NaN where a row has no value."""
         path = self.path / "train.csv"
         if not path.is_file():
             raise _core.InputError(f"{path}: is not there; the run has not trained")

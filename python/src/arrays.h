@@ -1,5 +1,6 @@
 #pragma once
-// Between the library's memory and NumPy's. Arrays are copied: neither side depends on the other's lifetime.
+// Conversions between the library's memory and NumPy's. Arrays are copied: neither side depends on the other's
+// lifetime.
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -64,7 +65,7 @@ inline py::tuple CameraTuple(const Camera& camera) {
   return py::make_tuple(ToArray({3, 3}, k), ToArray({4, 4}, pose.data()), camera.width, camera.height);
 }
 
-/// Raises InputError for what is no pinhole camera.
+/// Camera from such arrays. Raises InputError unless it is a pinhole camera.
 inline Camera CameraFrom(const Array<double>& k, const Array<double>& pose, int width, int height) {
   if (k.ndim() != 2 || k.shape(0) != 3 || k.shape(1) != 3) throw py::value_error("K must have shape (3, 3)");
   if (pose.ndim() != 2 || pose.shape(1) != 4 || (pose.shape(0) != 3 && pose.shape(0) != 4)) {

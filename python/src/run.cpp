@@ -24,7 +24,7 @@ namespace {
 
 constexpr auto kPause = std::chrono::milliseconds(50);  // between two looks for Ctrl-C
 
-/// From the run to the thread that called it.
+/// Events on their way from the run to the thread that called it.
 class EventQueue {
  public:
   void Push(Event event) {

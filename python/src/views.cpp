@@ -1,4 +1,4 @@
-// What of a workspace is read by the library: views, images, depth maps, proposals.
+// Readers of a workspace that need the library: views, images, depth maps, proposals.
 
 #include <nlohmann/json.hpp>
 
@@ -56,7 +56,7 @@ py::list ListViews(const RunViews& views) {
   return list;
 }
 
-/// (rgb [H,W,3], mask [H,W] bool or None)
+/// Returns (rgb [H,W,3], mask [H,W] bool or None).
 py::tuple LoadView(const RunViews& views, int index) {
   const LoadedView view = views.Load(index);
   py::object mask = py::none();
@@ -64,7 +64,7 @@ py::tuple LoadView(const RunViews& views, int index) {
   return py::make_tuple(ToArray(view.rgb), mask);
 }
 
-/// (inverse depth [H,W], confidence [H,W], normals [H,W,3])
+/// Returns (inverse depth [H,W], confidence [H,W], normals [H,W,3]).
 py::tuple LoadDepth(const RunViews& views, int index, const std::filesystem::path& depth) {
   const SceneView& view = views.scene.views.at(static_cast<size_t>(index));
   const Camera camera = WorkingCamera(view, views.image);

@@ -213,6 +213,7 @@ std::optional<nlohmann::json> MakeProxy(Run* run, const std::string& key) {
 
 double SecondsOfProxies(const EstimateInput& input) {
   const ProposeOptions& propose = input.options.propose;
+  if (!ProposesViews(input.options) || !propose.Uses(ProposerChoice::kSplat)) return 0;
   const bool is_object = input.covered < 1;
   const double iterations =
       (propose.proxy_share + propose.ProxyFinish(is_object)) * input.options.train.iterations.value();

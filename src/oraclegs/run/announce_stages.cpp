@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kCoveredByObject = 0.45;  // of a Blender scene's images
 
-/// The run goes on: the estimate is an upper bound, and the machine may be about to have more.
+/// Warns only: the estimate is an upper bound, and more memory may become free.
 void WarnOfMemory(int64_t needed, const Listener& listener) {
   const uint64_t available = AvailableMemory();
   if (available == 0 || static_cast<uint64_t>(needed) <= available) return;

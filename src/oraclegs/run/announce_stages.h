@@ -4,9 +4,9 @@
 
 namespace oraclegs {
 
-/// Reports the stages that the run will go through up to its report, with the time that each will take where that can
-/// be known (estimate/time_estimate.h), keeps these times in run->predicted, and warns where memory may not suffice.
-/// For a run whose scene has been read, before its first stage.
+/// Reports the stages of the run up to its report, with the time of each where it can be predicted
+/// (estimate/time_estimate.h), stores these times in run->predicted, and warns where memory may not suffice. Call it
+/// when the scene has been read, before the first stage.
 void AnnounceStages(Run* run);
 
 }  // namespace oraclegs

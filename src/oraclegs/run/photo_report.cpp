@@ -17,12 +17,12 @@ using nlohmann::json;
 
 constexpr uint64_t kMaxChecksBytes = 16 << 20;
 
-/// What is kept of these photos; null when there is nothing, or of others.
+/// Stored checks of these photos; null when there are none, or they are of other photos.
 json KeptOf(const Run& run) {
   try {
     json kept = ParseJsonOrDiscard(ReadFile(run.workspace.photo_checks(), kMaxChecksBytes));
     if (kept.is_object() && kept.value("photos", json()) == run.photos) return kept;
-  } catch (const Error&) {  // not yet written, or damaged: looked at anew
+  } catch (const Error&) {  // missing or damaged: the photos are checked again
   }
   return nullptr;
 }

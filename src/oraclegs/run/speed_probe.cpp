@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kSide = 256, kGaussians = 20000;
 constexpr int kWarmUps = 2, kSteps = 10;
-constexpr double kReferenceMilliseconds = 7.4;  // of a step on the reference machine
+constexpr double kReferenceMilliseconds = 7.4;  // time of a step on the reference machine
 
 /// A square in front of the camera, filled with small Gaussians.
 Gaussians Cloud() {
@@ -48,7 +48,7 @@ double Measure() {
     const Stopwatch watch;
     trainer->Step();
     const double milliseconds = 1e3 * watch.Seconds();
-    // The mean, not the best: on a machine that also does other work, the run will share it, too.
+    // The mean, not the best: other work on the machine slows the run, too.
     if (i >= kWarmUps) mean += milliseconds / kSteps;
   }
   return mean / kReferenceMilliseconds;

@@ -4,10 +4,10 @@
 
 namespace oraclegs {
 
-/// The stages of a run, in their order.
+/// Stages of a run, in their order.
 const std::vector<Stage>& Stages();
 
-/// RunStage, IsUpToDate of these.
+/// RunStage and IsUpToDate for these stages.
 inline void RunStage(Run* run, const std::string& name) { RunStage(run, Stages(), name); }
 inline bool IsUpToDate(Run* run, const std::string& name) { return IsUpToDate(run, Stages(), name); }
 

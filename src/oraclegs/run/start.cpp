@@ -33,7 +33,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of the images of a scene without poses; "" for a scene with poses.
+/// Fingerprint of the images of a scene without poses; "" for a scene with poses.
 std::string PhotosFingerprint(const Scene& scene, FileHashes* files) {
   if (scene.HasPoses()) return "";
   std::vector<int> all(scene.views.size());
@@ -60,7 +60,8 @@ void RequireRenderable(const Scene& scene, const ImageOptions& options) {
   }
 }
 
-/// Published scores are of the dataset's own smaller images, where it has some. Throws InputError where it must.
+/// Checks for the dataset's own smaller images, on which published scores are. Throws InputError where they are
+/// required.
 void CheckSmallerCopies(const Scene& scene, const ImageOptions& options, const Listener& listener) {
   const int downscale = options.downscale.ValueOr(1);
   const bool required = options.smaller_copies == SmallerCopies::kRequired;
@@ -95,8 +96,8 @@ Scene Read(const fs::path& root, const RunOptions& options, const Listener& list
   return scene;
 }
 
-/// The size of the run that `request` continues; null where it starts one, also with other options or of another scene
-/// in the folder of one that has no results yet.
+/// Size of the run that `request` continues; null where it starts one, also in the folder of a run with other options
+/// or of another scene that has no results yet.
 nlohmann::json SavedSize(const RunRequest& request) {
   if (!IsWorkspace(request.out) || request.overwrite) return nullptr;
   const SavedRun saved = ReadSavedRun(request.out);
@@ -106,7 +107,8 @@ nlohmann::json SavedSize(const RunRequest& request) {
   return same_options && fs::equivalent(saved.scene, request.scene, ignored) ? saved.size : nlohmann::json();
 }
 
-/// Other frames of a video would replace what the run was made from.
+/// Throws InputError for another number of frames of a video, which would replace the photos that the run was made
+/// from.
 void RequireSameFrames(const RunRequest& request, const nlohmann::json& saved_size) {
   const Auto<int>& now = request.options.capture.frames;
   const nlohmann::json before =
@@ -120,7 +122,7 @@ void RequireSameFrames(const RunRequest& request, const nlohmann::json& saved_si
       request.out.string(), before.dump(), now.value());
 }
 
-/// What lies in the workspace may be removed before it is read.
+/// Throws InputError for inputs inside the workspace, whose files may be removed before they are read.
 void RequireInputsOutside(const fs::path& out, const std::vector<fs::path>& inputs) {
   std::error_code ignored;
   const fs::path workspace = fs::weakly_canonical(fs::absolute(out, ignored), ignored);
@@ -133,8 +135,8 @@ void RequireInputsOutside(const fs::path& out, const std::vector<fs::path>& inpu
   }
 }
 
-/// The options with the size of the run settled: as `saved` has it, where the run is continued. Which image registers
-/// may be unknown, but a split that all of them cannot fill is refused.
+/// Options with the size of the run settled; a run that is continued takes it from `saved`. It may be unknown which
+/// images register, but a split that all of them cannot fill is refused.
 RunOptions SettleSize(const RunOptions& asked, const Scene& scene, Device device, const nlohmann::json& saved,
                       const Listener& listener) {
   const SceneSize size = SizeOf(scene, static_cast<int>(SplitViews(scene, asked.split).train.size()));
@@ -145,14 +147,14 @@ RunOptions SettleSize(const RunOptions& asked, const Scene& scene, Device device
   return settled;
 }
 
-/// Lists of views in files become options of the run, so that it is continued without the files.
+/// Replaces lists of views in files by their content, so that the run can be continued without the files.
 RunRequest WithListsRead(const RunRequest& request) {
   RunRequest read = request;
   read.options.split = WithListsRead(request.options.split);
   return read;
 }
 
-/// The length of a unit of poses that were found, by the user's word or else by GPS.
+/// Meters of a unit, for poses that were found: from the user's --scale, or else from GPS.
 std::optional<double> UnitOf(const Run& run, bool opened) {
   if (!run.options.frame.scale.empty()) return UnitMeters(run.scene, run.options.frame.scale, true);
   const std::optional<GpsScale> gps = UnitMetersByGps(run.scene);
@@ -164,7 +166,7 @@ std::optional<double> UnitOf(const Run& run, bool opened) {
   return gps->unit_meters;
 }
 
-/// A length that became known after training: the header of the splat says it, too.
+/// Updates the header of the splat when the length of a unit became known after training.
 void RefreshUnit(const Run& run) {
   const fs::path ply = run.workspace.point_cloud();
   std::error_code ignored;
@@ -174,11 +176,11 @@ void RefreshUnit(const Run& run) {
     if (UnitMetersOf(splat.comments) == run.frame.unit_meters) return;
     WriteGaussianPly(ply, splat.gaussians, splat.sh_degree, WithUnit(splat.comments, run.frame.unit_meters),
                      splat.support);
-  } catch (const InputError&) {  // the stages make a damaged one again
+  } catch (const InputError&) {  // the stages make a damaged file again
   }
 }
 
-/// The frame of given poses. `run` and commands on a scene folder have the same for the same split.
+/// Frame of given poses. `run` and commands on a scene folder get equal frames for equal splits.
 SceneFrame GivenFrame(const Scene& scene, const Split& split, const RunOptions& options, const Listener& listener) {
   SceneFrame frame = NormalFrame(scene, split.train);
   if (options.input.frame == FrameKind::kScene) {
@@ -192,7 +194,7 @@ SceneFrame GivenFrame(const Scene& scene, const Split& split, const RunOptions& 
   return frame;
 }
 
-/// Brings the scene into the run's frame. The length of a unit is of the scene as given, or as found and framed.
+/// Brings the scene into the run's frame. The length of a unit belongs to the scene as given, or as found and framed.
 void EnterFrame(Run* run, bool opened) {
   const bool found = !run->photos.empty();
   run->frame = found ? FrameOf(run->scene, run->workspace.frame())
@@ -203,7 +205,7 @@ void EnterFrame(Run* run, bool opened) {
   if (!opened) RefreshUnit(*run);
 }
 
-/// Poses where there are none yet, the split, and the frame. `opened`: the run is only looked at.
+/// Finds poses where there are none, splits, and settles the frame. `opened`: the run is only inspected.
 void FindPosesAndSplit(Run* run, bool opened) {
   if (!run->photos.empty()) RunStage(run, "register");
   run->split = SplitOfRun(*run);
@@ -269,7 +271,7 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
   if (has_poses && request.options.input.poses == PoseSource::kVggt) {
     listener(Note{"--poses vggt: the scene has poses, which are used"});
   }
-  // What is asked for and missing is an error before anything is written.
+  // Missing files that options ask for are an error before anything is written.
   const RunOptions options = WithNetworksAtHand(request.options, has_poses, listener);
   Plan plan = MakePlan(options, has_poses);
   const nlohmann::json saved_size = SavedSize(request);

@@ -12,7 +12,7 @@ namespace {
 constexpr const char* kLayers = "vggt-layers";
 constexpr const char* kWeights = "vggt-layer-weights";
 
-/// The numbers of "0, 22". `kind` says in messages what each must be.
+/// Numbers in a text like "0, 22". `kind` names in messages what each must be.
 template <class T>
 std::vector<T> NumbersOf(const char* option, const std::string& text, const char* kind) {
   std::vector<T> numbers;

@@ -6,7 +6,7 @@
 namespace oraclegs {
 namespace {
 
-// What orders the pixels: near the noise of a sensor as well as beyond it.
+// Error that decides the order of pixels: near the noise of a sensor as well as beyond it.
 constexpr float kFineError = 0.02f;
 
 }  // namespace

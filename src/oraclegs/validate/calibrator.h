@@ -17,34 +17,34 @@ namespace oraclegs {
 struct PixelSamples {
   size_t columns = 0;
   std::vector<float> rows;    ///< samples * columns
-  std::vector<float> errors;  ///< RMS over the channels, of colors in [0, 1]
+  std::vector<float> errors;  ///< RMS over the channels of colors in [0, 1]
 
   void Append(const PixelSamples& more);
 };
 
-/// What a proposer's pixels of such features are worth.
+/// Model of the similarity of a proposer's pixels, given their features.
 struct PixelModel {
   Logistic order;  ///< rises with the expected similarity
-  Isotonic level;  ///< of `order` to the similarity; the identity where it is not fitted
+  Isotonic level;  ///< maps `order` to the similarity; the identity where it is not fitted
 };
 
 enum class LevelRule {
   kFitted,  ///< confidence estimates the similarity
-  kAsIs,    ///< confidence is the regression's answer
+  kAsIs,    ///< confidence is the output of the regression
 };
 
-/// A model for each proposer, and one for those of which nothing was learned.
+/// A model for each proposer, and one for proposers without training samples.
 class Calibrator {
  public:
   explicit Calibrator(LevelRule rule = LevelRule::kFitted) : rule_(rule) {}
 
-  /// Learns from samples with the names of their proposers; a proposer that was learned before gets a new model. Throws
+  /// Fits models to samples with the names of their proposers; a proposer fitted before gets a new model. Throws
   /// InputError when there are no samples.
   void Fit(const std::vector<std::pair<std::string, PixelSamples>>& samples);
 
   bool fitted() const { return any_.has_value(); }
-  /// The proposer's own model; for one that was not learned, that of the first Fit, all its proposers together. Only
-  /// once fitted.
+  /// Model of the proposer; for one without training samples, that of the first Fit, which joins all its proposers.
+  /// Requires fitted().
   const PixelModel& ModelOf(const std::string& source) const;
 
  private:

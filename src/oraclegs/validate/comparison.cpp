@@ -8,13 +8,13 @@
 namespace oraclegs {
 namespace {
 
-constexpr int kNear = 3, kWideParts = 20, kWiderParts = 10;  // half side of a window; the image's smaller side by it
-constexpr double kNoTexture = 0.01;                          // deviation of brightness below which there is none
-constexpr double kMinDistance = 0.005;                       // of colors
+constexpr int kNear = 3, kWideParts = 20, kWiderParts = 10;  // half side of a window; image side / window
+constexpr double kNoTexture = 0.01;                          // deviation of brightness below which there is no texture
+constexpr double kMinDistance = 0.005;                       // smallest distance of colors
 
 float LogDistance(double distance) { return static_cast<float>(std::log(kMinDistance + std::max(0.0, distance))); }
 
-/// Sums of the brightness of two images, for the moments of their windows.
+/// Sums over the brightness of two images, for the moments of their windows.
 class Moments {
  public:
   Moments(const ImageF& a, const ImageF& b)
@@ -26,7 +26,7 @@ class Moments {
 
   struct Of {
     double deviation_a, deviation_b, covariance;
-    /// As SSIM's structure term: windows without texture agree.
+    /// 1 - SSIM's structure term: windows without texture agree.
     float Structure() const {
       return static_cast<float>(1 - (covariance + kNoTexture * kNoTexture) /
                                         (deviation_a * deviation_b + kNoTexture * kNoTexture));
@@ -49,7 +49,7 @@ class Moments {
   Integral a_, b_, aa_, bb_, ab_;
 };
 
-/// Sums of the differences of two images' colors.
+/// Sums over the differences of two images' colors.
 class Differences {
  public:
   Differences(const ImageF& a, const ImageF& b)

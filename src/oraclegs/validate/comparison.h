@@ -1,6 +1,5 @@
 #pragma once
-// How a proposal differs from what the images show at its pose, at several scales
-// (docs/method.md#tamper-trained-oracle).
+// Comparison of a proposal with the images' view of its pose, at several scales (docs/method.md#tamper-trained-oracle).
 
 #include <array>
 #include <vector>
@@ -9,11 +8,11 @@
 
 namespace oraclegs {
 
-/// What is compared beside the features (features.h), in its order. "near" is a window of 7 x 7 pixels, "wide" and
-/// "wider" grow with the image.
+/// Names of the comparisons, in their order; they come after the features (features.h). "near" is a window of 7 x 7
+/// pixels, "wide" and "wider" grow with the image.
 inline constexpr std::array kComparisonNames = {
     "color",           // distance of the two colors, mean over a wide window
-    "shift near",      // distance of the two windows' mean colors: what is left when details differ
+    "shift near",      // distance of the two mean colors of windows, which ignores details
     "shift wide",      //
     "shift wider",     //
     "structure",       // 1 - correlation of two wide windows, as far as they have texture
@@ -23,7 +22,7 @@ inline constexpr std::array kComparisonNames = {
 inline constexpr size_t kComparisons = kComparisonNames.size();
 using Comparison = std::array<float, kComparisons>;
 
-/// Of every pixel, row by row. Every value is finite. Throws ShapeError for images of different sizes.
+/// Comparisons for every pixel, row by row; all are finite. Throws ShapeError for images of different sizes.
 std::vector<Comparison> Compare(const ImageF& proposal, const ImageF& shown);
 
 }  // namespace oraclegs

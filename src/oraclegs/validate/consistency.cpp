@@ -12,7 +12,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kMaxSamples = 36000;  // of a source, over all held-out views
+constexpr size_t kMaxSamples = 36000;  // samples of one source, over all held-out views
 
 float ColorError(const float* a, const float* b) {
   float squares = 0;
@@ -20,19 +20,19 @@ float ColorError(const float* a, const float* b) {
   return std::sqrt(squares / 3);
 }
 
-/// The view that was held out, and the exposure gain that its colors are freed of.
+/// Held-out view, and the exposure gain that is removed from its colors.
 struct Truth {
   const LoadedView& view;
   Eigen::Vector3f gain;
 };
 
-/// At most so many evenly spread pixels of the view that count, in the mean exposure, which proposals have.
+/// Samples of at most so many evenly spaced, unmasked pixels of the view, in the mean exposure, which proposals have.
 PixelSamples SamplesOf(const Proposal& proposal, const PixelRows& rows, const Truth& truth, size_t limit) {
   PixelSamples samples;
   samples.columns = rows.columns();
   const size_t pixels = rows.size();
   PixelRows::Space space;
-  // An odd stride, lest every sample stand in the same columns.
+  // An odd stride, so that samples do not all lie in the same columns.
   const size_t stride = std::max<size_t>(1, pixels / std::max<size_t>(1, limit)) | 1;
   for (size_t i = 0; i < pixels; i += stride) {
     if (!truth.view.mask.empty() && truth.view.mask[i] == 0) continue;

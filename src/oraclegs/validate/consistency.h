@@ -1,6 +1,6 @@
 #pragma once
-// The oracle that needs no weights: what the images show at a proposal's pixels, and what such pixels turned out to be
-// worth where a training view was held out and proposed (docs/method.md#consistency-oracle).
+// Oracle without network weights. It compares a proposal's pixels with the images, and learns from proposals of
+// held-out training views how good such pixels are (docs/method.md#consistency-oracle).
 
 #include <string>
 #include <utility>
@@ -12,26 +12,26 @@
 
 namespace oraclegs {
 
-/// Confidence = the similarity that pixels of such features had in held-out views, smoothed where it comes from the
-/// images (smooth.h). Never looks at a test view. What is referenced must outlive it.
+/// Confidence = the similarity that pixels with such features had in held-out views, smoothed where it comes from the
+/// images (smooth.h). It never reads a test view. The referenced objects must outlive it.
 class ConsistencyOracle : public Oracle {
  public:
   ConsistencyOracle(FeatureSource features, const std::vector<LoadedView>& views, LevelRule rule = LevelRule::kFitted)
       : features_(features), views_(views), calibrator_(rule) {}
 
-  /// Learns from proposals of held-out views; those of a source that was learned before replace it. Throws InputError
-  /// when none of their pixels counts, ShapeError for one that holds no view out.
+  /// Fits the models to proposals of held-out views; a source fitted before gets a new model. Throws InputError when
+  /// all their pixels are masked, ShapeError for a query without a held-out view.
   void Calibrate(const std::vector<Query>& held_out);
-  /// The same, and the confidence of what was learned from. A second oracle is asked once.
+  /// Calibrates, and returns the confidence of the same proposals. A second oracle predicts once for both.
   std::vector<ConfidenceMap> CalibrateAndPredict(const std::vector<Query>& held_out);
 
-  /// What pixels of proposals of held-out views teach, at most `limit` of each: with the names of their sources, in
-  /// their order. For lessons that are not held in memory all at once. Throws ShapeError as Calibrate does.
+  /// Training samples from proposals of held-out views, at most `limit` of each, with the names of their sources, in
+  /// their order. For proposals that are not all in memory at once. Throws ShapeError as Calibrate does.
   std::vector<std::pair<std::string, PixelSamples>> Sample(const std::vector<Query>& held_out, size_t limit) const;
-  /// As Calibrate, from such samples.
+  /// Calibrates with such samples.
   void Fit(const std::vector<std::pair<std::string, PixelSamples>>& samples) { calibrator_.Fit(samples); }
 
-  /// That of the features.
+  /// Name of the features.
   std::string name() const override { return features_.name(); }
   using Oracle::Predict;
   /// Throws UsageError before Calibrate.

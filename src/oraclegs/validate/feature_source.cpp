@@ -14,7 +14,7 @@ bool IsOfOneView(const Query& a, const Query& b) {
          x.cx == y.cx && x.cy == y.cy && x.cam_from_world.matrix() == y.cam_from_world.matrix();
 }
 
-/// Queries by view: candidates of one target share its warp.
+/// Indices of queries by view: candidates of one target share its warp.
 std::vector<std::vector<size_t>> GroupByView(const std::vector<Query>& queries) {
   std::vector<std::vector<size_t>> groups;
   for (size_t q = 0; q < queries.size(); ++q) {

@@ -1,6 +1,5 @@
 #pragma once
-// Where the features come from by which an oracle classifies pixels: what the images show there, what another oracle
-// predicts, or both.
+// Sources of the features by which an oracle classifies pixels: the images, the prediction of another oracle, or both.
 
 #include <array>
 #include <string>
@@ -14,26 +13,26 @@
 
 namespace oraclegs {
 
-/// What is known of a pixel before it is classified.
+/// Evidence about a pixel.
 enum class Evidence {
   kImages,  ///< the features of validate/features.h
-  kSecond,  ///< what a second oracle predicts, alone
+  kSecond,  ///< prediction of a second oracle only
   kBoth,
 };
 
-/// How closely proposals are compared with what the images show.
+/// Thoroughness of the comparison of proposals with the images.
 enum class Scrutiny {
-  kPlain,     ///< by the features alone
-  kThorough,  ///< at several scales, with the warp and with the query's proxy render where it has one
+  kPlain,     ///< the features only
+  kThorough,  ///< also comparisons at several scales, with the warp and with the query's proxy render, if any
 };
 
-/// The features of each pixel of a proposal, as one row of numbers for each.
+/// Features of a proposal's pixels, one row of numbers a pixel.
 class PixelRows {
  public:
   static constexpr size_t kMaxColumns = kFeatures + 2 * kComparisons + 1;
   using Space = std::array<float, kMaxColumns>;
 
-  /// Each may be empty. `second` must outlive it.
+  /// Each argument may be empty. `second` must outlive it.
   PixelRows(std::vector<Features> features, std::vector<std::vector<Comparison>> comparisons,
             const ConfidenceMap& second)
       : features_(std::move(features)), comparisons_(std::move(comparisons)), second_(second) {}
@@ -42,7 +41,7 @@ class PixelRows {
   size_t columns() const {
     return (features_.empty() ? 0 : kFeatures) + comparisons_.size() * kComparisons + (second_.empty() ? 0 : 1);
   }
-  /// The row of a pixel, in `space` where it is not stored as a whole.
+  /// Row of a pixel; `space` holds it where it is not stored as a whole.
   const float* Row(size_t pixel, Space* space) const;
 
  private:
@@ -51,16 +50,16 @@ class PixelRows {
   const ConfidenceMap& second_;
 };
 
-/// What is referenced must outlive it.
+/// The referenced objects must outlive it.
 class FeatureSource {
  public:
-  /// What the images show.
+  /// Features from the images.
   explicit FeatureSource(const Warper& warper) : warper_(warper) {}
-  /// What another oracle predicts, alone or as one more feature.
+  /// Features from another oracle's prediction, alone or joined with those from the images.
   FeatureSource(const Warper& warper, const Oracle& second, Evidence evidence)
       : warper_(warper), evidence_(evidence), second_(&second) {}
 
-  /// The same, with every proposal compared thoroughly. All queries of it have a proxy render, or none has.
+  /// Copy that compares every proposal thoroughly. Either all of its queries have a proxy render, or none has.
   FeatureSource Thorough() const;
 
   /// "consistency", the second oracle's name, or that + "+consistency".
@@ -68,11 +67,11 @@ class FeatureSource {
   bool ReadsImages() const { return evidence_ != Evidence::kSecond; }
   const Warper& warper() const { return warper_; }
 
-  /// What the second oracle predicts of each; empty maps without one.
+  /// Predictions of the second oracle for each query; empty maps without one.
   std::vector<ConfidenceMap> SecondMaps(const std::vector<Query>& queries) const;
 
-  /// Calls use(q, rows) for each query, views in parallel; queries of one view share its warp. `second` are their
-  /// SecondMaps. Throws Interrupted.
+  /// Calls use(q, rows) for each query, views in parallel; queries of one view share its warp. `second` is the result
+  /// of SecondMaps for the queries. Throws Interrupted.
   void ForEach(const std::vector<Query>& queries, const std::vector<ConfidenceMap>& second,
                FunctionRef<void(size_t, const PixelRows&)> use) const;
 

@@ -8,7 +8,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr int kRadius = 3;      // of the patches
+constexpr int kRadius = 3;      // half side of a patch
 constexpr float kFlat = 0.01f;  // standard deviation of brightness below which a patch has no structure
 constexpr float kMaxAngle = 90, kMaxRing = 200;
 constexpr float kBorder = 0.1f;  // share of the image's smaller side
@@ -21,10 +21,10 @@ float Distance(const float* a, const float* b) {
   return std::sqrt(squares / 3);
 }
 
-/// Compresses what spans orders of magnitude.
+/// Compresses values that span orders of magnitude.
 float Log(float value, float floor) { return std::log(floor + std::max(value, 0.f)); }
 
-/// Largest relative difference of inverse depth in the 5x5 pixels around.
+/// Largest relative difference of inverse depth in the 5x5 pixels around (x, y).
 float DepthEdge(const std::vector<float>& inv_depth, int width, int height, int x, int y) {
   float low = 1e30f, high = 0;
   for (int v = std::max(0, y - 2); v <= std::min(height - 1, y + 2); ++v) {
@@ -64,7 +64,7 @@ std::vector<Features> FeaturesOf(const Proposal& proposal, const WarpedView& war
       const double var_b = std::max(0.0, sum_bb.Mean(patch) - mean_b * mean_b);
       const double covariance = sum_ab.Mean(patch) - mean_a * mean_b;
       const double flat = static_cast<double>(kFlat) * kFlat;
-      // As SSIM's structure term: patches without texture agree.
+      // 1 - SSIM's structure term: patches without texture agree.
       const auto structure = static_cast<float>(1 - (covariance + flat) / (std::sqrt(var_a * var_b) + flat));
       float depth = 0;
       if (!proposal.inv_depth.empty() && proposal.inv_depth[i] > 0 && warped.inv_depth[i] > 0) {

@@ -8,12 +8,12 @@
 
 namespace oraclegs {
 
-/// What the features are, in their order.
+/// Names of the features, in their order.
 inline constexpr std::array kFeatureNames = {
     "support",  // log of the views' support of the surface there
-    "views",    // how many views show it
-    "angle",    // to the nearest of them
-    "spread",   // of their colors
+    "views",    // log of the views' support of the surface
+    "angle",    // number of views that show it
+    "spread",   // angle to the nearest of them
     "depth confidence",
     "conflicts",
     "occluded",
@@ -34,7 +34,7 @@ inline constexpr std::array kFeatureNames = {
 inline constexpr size_t kFeatures = kFeatureNames.size();
 using Features = std::array<float, kFeatures>;
 
-/// Of every pixel, row by row. `warped` is what the training views show at the proposal's pose. Every value is finite.
+/// Features of every pixel, row by row; all are finite. `warped` is the training views' warp at the proposal's pose.
 std::vector<Features> FeaturesOf(const Proposal& proposal, const WarpedView& warped);
 
 }  // namespace oraclegs

@@ -11,7 +11,7 @@ namespace oraclegs {
 struct Window {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 
-  /// The square of half side `radius` around a pixel, as far as it lies within the image.
+  /// Square of half side `radius` around a pixel, clipped to the image.
   static Window Around(int x, int y, int radius, int width, int height) {
     return {std::max(0, x - radius), std::max(0, y - radius), std::min(width, x + radius + 1),
             std::min(height, y + radius + 1)};
@@ -22,7 +22,7 @@ struct Window {
 /// Sums over rectangles in constant time.
 class Integral {
  public:
-  /// value(i) is that of pixel i, row by row.
+  /// value(i) is the value of pixel i, row by row.
   template <class Value>
   Integral(int width, int height, Value&& value)
       : width_(width + 1), sums_(static_cast<size_t>(width + 1) * static_cast<size_t>(height + 1)) {

@@ -6,7 +6,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kSteps = 200;  // groups of samples with neighboring x that are pooled first: noise is no step
+constexpr size_t kSteps = 200;  // groups of neighboring x that are pooled first against noise
 
 struct Pool {
   double x = 0, y = 0, count = 0;  // sums

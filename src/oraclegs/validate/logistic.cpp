@@ -13,14 +13,14 @@ namespace oraclegs {
 namespace {
 
 constexpr size_t kMaxFeatures = 64;
-constexpr float kMaxDeviation = 3;  // standard deviations beyond which a feature counts no more
+constexpr float kMaxDeviation = 3;  // clamp of standardized features
 constexpr double kTail = 0.005;     // share of the samples beyond either end of a feature's range
-constexpr double kRidge = 1e-3;     // per sample, on standardized features
+constexpr double kRidge = 1e-3;     // for each sample, on standardized features
 constexpr int kNewtonSteps = 8;
 constexpr double kConverged = 1e-4;  // change of a weight
-constexpr int64_t kBlock = 4096;     // samples
+constexpr int64_t kBlock = 4096;     // number of samples
 
-/// The value below which `share` of these lie.
+/// Value below which `share` of the values lie.
 float Quantile(std::vector<float>* values, double share) {
   const auto place = static_cast<int64_t>(share * static_cast<double>(values->size() - 1) + 0.5);
   std::nth_element(values->begin(), values->begin() + place, values->end());
@@ -44,13 +44,13 @@ void Logistic::FitRange(const Eigen::MatrixXf& features) {
     low_[i] = Quantile(&values, kTail);
     high_[i] = Quantile(&values, 1 - kTail);
   });
-  mean_ = features.cast<double>().colwise().mean().cast<float>();  // a constant keeps no deviation
+  mean_ = features.cast<double>().colwise().mean().cast<float>();  // a constant feature has no deviation
   const Eigen::VectorXf deviation =
       ((features.rowwise() - mean_.transpose()).colwise().squaredNorm() / static_cast<float>(samples)).cwiseSqrt();
   inverse_deviation_ = deviation.unaryExpr([](float d) { return d > 1e-6f ? 1 / d : 0.f; });
 }
 
-/// The features, their products (the upper triangle, row by row) and 1.
+/// Features, their products (the upper triangle, row by row) and 1.
 Eigen::VectorXf Logistic::Expand(const float* features) const {
   const Eigen::Index n = mean_.size();
   Eigen::VectorXf expanded(n + n * (n + 1) / 2 + 1);

@@ -16,9 +16,9 @@ struct EnumWords<OracleKind> {
                                                     {OracleKind::kUniform, "uniform"}};
 };
 
-/// One image out of several candidates.
+/// Rule that makes one image of several candidates.
 enum class PickRule {
-  kBlend,  ///< at each pixel the mean, weighted by the inverse of the squared error that the confidence stands for
+  kBlend,  ///< at each pixel the mean, weighted by the inverse of the squared error that the confidence implies
   kPixel,  ///< at each pixel the candidate of highest confidence
   kView,   ///< the candidate of highest mean confidence
 };
@@ -34,7 +34,7 @@ struct ValidateOptions {
   Auto<int> oracle_chunk;
   Auto<VggtPrecision> vggt_precision;
   std::string vggt_layers;         ///< see AttentionLayersOf
-  std::string vggt_layer_weights;  ///< likewise
+  std::string vggt_layer_weights;  ///< see AttentionLayersOf
   bool calibrate = true;
   PickRule pick = PickRule::kBlend;
 

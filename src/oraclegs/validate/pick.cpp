@@ -10,8 +10,8 @@
 namespace oraclegs {
 namespace {
 
-constexpr float kMinConfidence = 0.02f, kMaxConfidence = 0.98f;  // beyond which a weight no longer changes
-constexpr float kSensorNoise = 1e-4f;                            // variance that no image is better than
+constexpr float kMinConfidence = 0.02f, kMaxConfidence = 0.98f;  // limits beyond which a weight no longer changes
+constexpr float kSensorNoise = 1e-4f;                            // smallest variance of an image's error
 
 void CheckSizes(const std::vector<Proposal>& candidates, const std::vector<ConfidenceMap>& confidence) {
   if (candidates.empty() || candidates.size() != confidence.size()) {
@@ -24,7 +24,7 @@ void CheckSizes(const std::vector<Proposal>& candidates, const std::vector<Confi
   }
 }
 
-/// 1 / the squared error of which this confidence is the similarity.
+/// Inverse of the squared error whose similarity is this confidence.
 float Precision(float confidence) {
   return 1 / (kSensorNoise + SquaredErrorOf(std::clamp(confidence, kMinConfidence, kMaxConfidence)));
 }

@@ -1,5 +1,5 @@
 #pragma once
-// One image out of several candidates (docs/method.md#mixing-candidates).
+// Fusion of several candidates into one image (docs/method.md#mixing-candidates).
 
 #include <string>
 #include <vector>
@@ -10,15 +10,15 @@
 
 namespace oraclegs {
 
-/// A proposal as it is trained on.
+/// Proposal and confidence for training.
 struct Validated {
   Proposal proposal;
   ConfidenceMap confidence;
 };
 
-/// `candidates` are of one target and not empty; `confidence` belongs to them one by one. The source of a mixture is
-/// kMixed, its spread that of the candidates; it keeps the provenance of the candidate of highest confidence. Throws
-/// ShapeError when sizes differ.
+/// Fuses `candidates` of one target, at least one, with their confidence maps in the same order. The source of a
+/// mixture is kMixed, and its spread is that of the candidates; it keeps the provenance of the candidate of highest
+/// confidence. Throws ShapeError when sizes differ.
 Validated Pick(const std::vector<Proposal>& candidates, const std::vector<ConfidenceMap>& confidence, PickRule rule);
 
 }  // namespace oraclegs

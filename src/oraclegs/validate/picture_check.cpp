@@ -8,19 +8,19 @@
 namespace oraclegs {
 namespace {
 
-constexpr int kSmallSide = 96;                             // pixels at which gross content is compared
+constexpr int kSmallSide = 96;                             // image side at which gross content is compared, pixels
 constexpr int kCell = 8;                                   // side, pixels
-constexpr size_t kMinCells = 12;                           // that say anything
-constexpr double kMinKnown = 0.75;                         // share of a cell that views show
+constexpr size_t kMinCells = 12;                           // cells with texture, below which nothing is decided
+constexpr double kMinKnown = 0.75;                         // share of a cell that views must show
 constexpr double kMinTexture = 0.02, kNoiseLevel = 0.005;  // deviations of brightness
 constexpr double kMinCorrelation = 0.5;
-constexpr double kWrongShare = 0.9;  // of the wrong pictures, whose agreement is below the least
-constexpr double kRightShare = 0.1;  // of the right pictures, whose agreement is below what such pictures have
-constexpr double kMaxOfRight = 0.4;  // of that agreement, which a half tampered one still reaches
+constexpr double kWrongShare = 0.9;  // quantile of the wrong pictures' agreement that becomes the least agreement
+constexpr double kRightShare = 0.1;  // quantile of the right pictures' agreement
+constexpr double kMaxOfRight = 0.4;  // limit of the least agreement, as a factor of that quantile
 
 float Brightness(const float* rgb) { return 0.299f * rgb[0] + 0.587f * rgb[1] + 0.114f * rgb[2]; }
 
-/// Brightness of the picture, brightness of the warp, and 1 where views show the surface, made small.
+/// Brightness of the picture, brightness of the warp, and 1 where views show the surface; reduced in size.
 ImageF Gather(const ImageF& picture, const WarpedView& warped) {
   ImageF gathered = picture;
   for (size_t i = 0; i < picture.data.size() / 3; ++i) {
@@ -34,7 +34,7 @@ ImageF Gather(const ImageF& picture, const WarpedView& warped) {
                     std::max(1, static_cast<int>(std::lround(picture.height * scale))));
 }
 
-/// Whether a cell of what was gathered agrees; nothing where it says nothing.
+/// True when a cell agrees in structure; nullopt when it is mostly unseen or has no texture.
 std::optional<bool> Agrees(const ImageF& gathered, int left, int top) {
   double known = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
   for (int y = top; y < top + kCell; ++y) {
@@ -53,7 +53,7 @@ std::optional<bool> Agrees(const ImageF& gathered, int left, int top) {
   return covariance > kMinCorrelation * std::sqrt((var_a + kNoiseLevel * kNoiseLevel) * var_b);
 }
 
-/// The value below which `share` of these lie; they are not empty.
+/// Value below which `share` of the values lie; requires at least one value.
 double ValueAt(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
   return values[static_cast<size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];

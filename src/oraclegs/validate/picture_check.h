@@ -1,6 +1,7 @@
 #pragma once
-// Does a picture as a whole show the scene from its pose? One of another scene, pose, scale or orientation contradicts
-// the images nearly everywhere, where a tampered one still agrees in parts (docs/method.md#tamper-trained-oracle).
+// Check that a picture as a whole shows the scene from its pose. A picture of another scene, pose, scale or orientation
+// contradicts the images nearly everywhere, while a tampered one still agrees in parts
+// (docs/method.md#tamper-trained-oracle).
 
 #include <optional>
 #include <vector>
@@ -9,14 +10,14 @@
 
 namespace oraclegs {
 
-/// Share [0, 1] of the cells with texture, of a grid over what the views show, in which the picture has the same
-/// structure. Nothing where there are too few such cells to tell. Throws ShapeError for images of different sizes.
+/// Share [0, 1] of the textured cells, on a grid over the pixels that views show, in which the picture has the same
+/// structure. nullopt where there are too few such cells. Throws ShapeError for images of different sizes.
 std::optional<double> Agreement(const ImageF& picture, const WarpedView& warped);
 
 class PictureCheck {
  public:
-  /// Learns the least agreement from that of pictures that are right and that are wrong as a whole, at held-out poses.
-  /// Without either, nothing is rejected.
+  /// Learns the least agreement from that of right pictures and of entirely wrong ones, at held-out poses. Without
+  /// either, nothing is rejected.
   void Learn(std::vector<double> right, std::vector<double> wrong);
 
   bool Rejects(const std::optional<double>& agreement) const { return agreement && *agreement < least_; }

@@ -11,7 +11,7 @@ namespace {
 constexpr int kReach = 2;
 constexpr std::array<float, 2 * kReach + 1> kTaps = {1, 4, 6, 4, 1};
 
-/// `length` values that stand `step` apart; `copy` holds as many.
+/// Smooths `length` values that are `step` apart; `copy` is scratch of that length.
 void SmoothLine(float* values, int length, size_t step, std::vector<float>* copy) {
   for (int i = 0; i < length; ++i) (*copy)[static_cast<size_t>(i)] = values[static_cast<size_t>(i) * step];
   for (int i = 0; i < length; ++i) {

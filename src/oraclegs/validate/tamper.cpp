@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kMaxParts = 64;
 constexpr double kSmallestPart = 0.03, kLargestPart = 0.25;  // half side, as a share of the image's smaller side
-constexpr double kSoftestEdge = 0.3;                         // of a part's half side
+constexpr double kSoftestEdge = 0.3;                         // share of a part's half side
 constexpr double kNearby = 0.02, kFar = 0.15;                // displacement, as a share of the larger side
 
 using Color = std::array<float, 3>;
@@ -24,7 +24,7 @@ struct Part {
 
   static Part Draw(int width, int height, Rng* rng) {
     const double side = std::min(width, height);
-    // As many small ones as large ones.
+    // Sizes are log-uniform: small parts are as frequent as large ones.
     const double size = side * kSmallestPart * std::pow(kLargestPart / kSmallestPart, rng->Uniform());
     const double stretch = std::exp(rng->Uniform(-0.6, 0.6)), angle = rng->Uniform(0, M_PI);
     Part part;
@@ -43,7 +43,7 @@ struct Part {
             std::min(height, from(y + reach + 1))};
   }
 
-  /// 1 inside, 0 outside, between along the edge.
+  /// Weight of a pixel: 1 inside, 0 outside, between along the edge.
   float At(double px, double py) const {
     const double u = std::abs(cosine * (px - x) + sine * (py - y)) / half_width;
     const double v = std::abs(cosine * (py - y) - sine * (px - x)) / half_height;
@@ -64,7 +64,7 @@ Color At(const ImageF& image, int64_t x, int64_t y) {
   return {p[0], p[1], p[2]};
 }
 
-/// The mean color of windows.
+/// Mean color of windows.
 class BoxBlur {
  public:
   explicit BoxBlur(const ImageF& image) : image_(image) {
@@ -84,7 +84,7 @@ class BoxBlur {
   std::vector<Integral> channels_;
 };
 
-/// What one part is replaced with.
+/// Replacement content of one part.
 class Filling {
  public:
   Filling(TamperKind kind, const ImageF& image, Rng* rng) : kind_(kind) {

@@ -14,26 +14,26 @@ namespace {
 
 constexpr double kSmallestBall = 0.04, kLargestBall = 0.2;  // radius, as a share of the smaller image side
 constexpr double kLeastMove = 0.03, kFarthestMove = 0.1;    // as a share of depth
-constexpr double kLeastLift = 0.15, kFarthestLift = 0.4;    // of what is invented, towards the camera
-constexpr double kLeastGain = 0.7, kLargestGain = 1.3;      // of a toned channel
-constexpr double kLeastShift = 0.08, kLargestShift = 0.25;  // either way
+constexpr double kLeastLift = 0.15, kFarthestLift = 0.4;    // share of the distance to the camera
+constexpr double kLeastGain = 0.7, kLargestGain = 1.3;      // for each channel
+constexpr double kLeastShift = 0.08, kLargestShift = 0.25;  // in either direction
 constexpr float kSmoothFactor = 3;
 constexpr float kDcOfColor = 1 / static_cast<float>(kConstantSh);
 constexpr int kPixelTries = 64;
 
-/// Random numbers of a lie: those that say where it is, then those of each view.
+/// Random numbers of one tampering; part 0 places it, later parts are for its views.
 Rng RngOf(uint64_t seed, uint64_t number, uint64_t part) {
   return Rng(seed, RandomStream::kGaussianTampering, (number << 32) + (part << 8));
 }
 
 struct SurfacePoint {
   Eigen::Vector3f position;
-  Eigen::Vector3f to_camera;  ///< the whole way
+  Eigen::Vector3f to_camera;  ///< vector to the camera
   float depth;
-  float side;  ///< of the smaller image side, in world units at that depth
+  float side;  ///< length of the smaller image side at that depth, world units
 };
 
-/// Under a random pixel; nothing where none of a few tries has depth.
+/// Surface point under a random pixel; nullopt where none of a few tries has depth.
 std::optional<SurfacePoint> DrawSurfacePoint(const std::vector<Proposal>& honest, Rng* rng) {
   for (int attempt = 0; attempt < kPixelTries && !honest.empty(); ++attempt) {
     const Proposal& p = honest[static_cast<size_t>(rng->Index(static_cast<int64_t>(honest.size())))];
@@ -59,7 +59,7 @@ Eigen::Vector3f DrawMove(float depth, Rng* rng) {
   return (direction * rng->Uniform(kLeastMove, kFarthestMove) * static_cast<double>(depth)).cast<float>();
 }
 
-/// The colors' distances from middle gray times a gain, and a shift, per channel.
+/// Gain on each channel's distance from middle gray, and a shift.
 struct Tone {
   float gain[3], shift[3];
 
@@ -73,7 +73,7 @@ struct Tone {
   }
   void Apply(float* sh) const {
     for (int c = 0; c < 3; ++c) {
-      // The harmonics are what is added to middle gray.
+      // The harmonics are added to middle gray.
       for (int k = 0; k < kShCoefficients; ++k) sh[3 * k + c] *= gain[c];
       sh[c] += shift[c] * kDcOfColor;
     }
@@ -101,7 +101,7 @@ bool Copies(GaussianTamperKind kind) {
   return kind == GaussianTamperKind::kSwap || kind == GaussianTamperKind::kInvent;
 }
 
-/// A lie with its numbers for one view.
+/// A tampering with its random numbers for one view.
 class Lie {
  public:
   Lie(const GaussianTampering& tampering, uint64_t view) : kind_(tampering.kind) {
@@ -110,7 +110,7 @@ class Lie {
     tone_ = Tone::Draw(&rng);
   }
 
-  /// Whether a Gaussian in the ball stays; every other one is smoothed away.
+  /// True when a Gaussian in the ball stays; kSmooth removes every other one.
   bool Keeps(int64_t i) const {
     if (kind_ == GaussianTamperKind::kSmooth) return i % 2 == 0;
     return kind_ != GaussianTamperKind::kSwap && kind_ != GaussianTamperKind::kDelete;
@@ -164,7 +164,7 @@ TamperedGaussians::TamperedGaussians(Gaussians honest, std::vector<GaussianTampe
   for (size_t t = 0; t < tamperings_.size(); ++t) {
     const GaussianTampering& tampering = tamperings_[t];
     for (int64_t i = 0; i < honest_.size(); ++i) {
-      // What is invented stands in free space and touches nothing.
+      // Invented Gaussians stand in free space and change no others.
       if (tampering.kind != GaussianTamperKind::kInvent && ball_[static_cast<size_t>(i)] == tamperings_.size() &&
           IsIn(rows, i, tampering.center, tampering.radius)) {
         ball_[static_cast<size_t>(i)] = t;

@@ -1,5 +1,5 @@
 #pragma once
-// Models that lie in places: Gaussians that are tampered with inside balls, so that all views agree on the lie
+// Models whose Gaussians are tampered with inside balls, so that all views agree on the error
 // (docs/method.md#tampering-benchmark).
 
 #include <Eigen/Core>
@@ -12,51 +12,52 @@
 
 namespace oraclegs {
 
-/// What happens to the Gaussians in a ball.
+/// Kinds of tampering with the Gaussians in a ball.
 enum class GaussianTamperKind {
-  kDisplace,  ///< moved together, as of geometry that is wrong
-  kSwap,      ///< replaced with those of another place
+  kDisplace,  ///< moved together, as with wrong geometry
+  kSwap,      ///< replaced by those of another place
   kTone,      ///< colors through a random gain and offset of each channel
-  kSmooth,    ///< half of them, three times as large, as of inpainting without detail
-  kInvent,    ///< copies of another place stand in free space before the surface
+  kSmooth,    ///< half of them, three times as large, as with inpainting without detail
+  kInvent,    ///< copies of another place in free space before the surface
   kDelete,    ///< removed
-  kFlicker,   ///< moved and toned anew in each view, as of a generator without consistency
+  kFlicker,   ///< moved and toned differently in each view, as by an inconsistent generator
 };
 inline constexpr std::array kGaussianTamperKindNames = {"displace", "swap",   "tone",   "smooth",
                                                         "invent",   "delete", "flicker"};
 inline constexpr int kGaussianTamperKinds = kGaussianTamperKindNames.size();
 
-/// One lie. The same list, applied to all members of an ensemble, gives the mean of their renders the same lies.
+/// One tampering. A list of them, applied to all members of an ensemble, tampers with the mean of their renders.
 struct GaussianTampering {
   GaussianTamperKind kind = GaussianTamperKind::kTone;
-  Eigen::Vector3f center = {0, 0, 0};  ///< of the ball, world frame
+  Eigen::Vector3f center = {0, 0, 0};  ///< center of the ball, world frame
   float radius = 0;                    ///< world units; infinite = all Gaussians
-  float depth = 1;                     ///< of the surface in the view that the ball was drawn in, world units
-  Eigen::Vector3f source = {0, 0, 0};  ///< center of the other place's ball, of swap and invent
-  uint64_t seed = 0, number = 0;       ///< of the random numbers behind its displacement and tone
+  float depth = 1;                     ///< depth of the surface in the view that the ball was drawn in, world units
+  Eigen::Vector3f source = {0, 0, 0};  ///< center of the other place's ball, for kSwap and kInvent
+  uint64_t seed = 0, number = 0;       ///< identify the random numbers for its displacement and tone
 };
 
-/// `count` lies at surfaces that the proposals show: ball centers are surface points under random pixels, radii
-/// log-uniform in 4-20 % of the smaller image side there; the kinds have equal shares. After them a last one that tones
-/// all Gaussians. `honest` are proposals with depth. Without any depth there is only the last one. The same arguments
-/// give the same list, and a smaller count its beginning.
+/// Draws `count` tamperings at surfaces that the proposals show: ball centers are surface points under random pixels,
+/// radii log-uniform in 4-20 % of the smaller image side there; the kinds have equal shares. A last one, which tones
+/// all Gaussians, follows. `honest` are proposals with depth; without any depth there is only the last one. Equal
+/// arguments give equal lists, and a smaller count the beginning of the list.
 std::vector<GaussianTampering> DrawGaussianTamperings(const std::vector<Proposal>& honest, size_t count, uint64_t seed);
 
-/// A model with the first few lies of a list.
+/// Model with the first few tamperings of a list.
 class TamperedGaussians {
  public:
   /// Throws ShapeError for buffers that do not fit or lie on a GPU.
   TamperedGaussians(Gaussians honest, std::vector<GaussianTampering> tamperings);
 
-  /// The model with the first `count` lies as view number `view` sees it. A Gaussian follows the first ball that its
-  /// center lies in; one in no ball keeps its bits and its place in the order. What swap and invent add stands behind.
+  /// Model with the first `count` tamperings, as view number `view` sees it. A Gaussian follows the first ball that
+  /// contains its center; one in no ball keeps its bits and its place in the order. Gaussians that kSwap and kInvent
+  /// add come last.
   Gaussians Make(size_t count, uint64_t view) const;
 
  private:
   Gaussians honest_;
   std::vector<GaussianTampering> tamperings_;
-  std::vector<size_t> ball_;                   ///< of each Gaussian, the first one that it is in; past the end = none
-  std::vector<std::vector<int64_t>> sources_;  ///< of each lie, the Gaussians of the other place
+  std::vector<size_t> ball_;                   ///< first ball that contains each Gaussian; past the end = none
+  std::vector<std::vector<int64_t>> sources_;  ///< Gaussians of the other place, for each tampering
 };
 
 }  // namespace oraclegs

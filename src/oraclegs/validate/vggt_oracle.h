@@ -1,5 +1,5 @@
 #pragma once
-// The paper's oracle: what the views of a scene attend to in each other inside VGGT (docs/method.md#vggt-oracle).
+// The paper's oracle: how much the views of a scene attend to each other inside VGGT (docs/method.md#vggt-oracle).
 
 #include <functional>
 #include <memory>
@@ -17,8 +17,8 @@ struct VggtOracleOptions {
   std::function<void(size_t)> on_pass = {};
 };
 
-/// Passes of a training view and a few proposals (view_chunks.h) through VGGT's aggregator. A map is large where the
-/// other views, or the training view, attend to the proposal: it orders pixels, and is no probability until it is
+/// Runs a training view and a few proposals at a time (view_chunks.h) through VGGT's aggregator. A map is large where
+/// the other views, or the training view, attend to the proposal. It ranks pixels, and is no probability until it is
 /// calibrated (ConsistencyOracle). Proposals of one pass influence each other; those of other passes do not.
 class VggtOracle : public Oracle {
  public:

@@ -12,7 +12,7 @@
 namespace oraclegs {
 namespace {
 
-/// Mean distance of the views from their center.
+/// Mean distance of the views' cameras from their center.
 double SpreadOf(const std::vector<LoadedView>& views) {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   for (const LoadedView& view : views) center += view.camera.Center() / static_cast<double>(views.size());

@@ -1,5 +1,5 @@
 #pragma once
-// Which proposals VGGT looks at together, and beside which view (docs/method.md#vggt-oracle).
+// Choice of the proposals in one pass of VGGT, and of the view beside them (docs/method.md#vggt-oracle).
 
 #include <cstddef>
 #include <utility>
@@ -10,17 +10,17 @@
 
 namespace oraclegs {
 
-/// [begin, end) of as few runs as there can be of at most `limit` things, as even as they can be. Nothing for 0 things.
+/// [begin, end) of the fewest runs of at most `limit` elements, as even as possible. Empty for 0 elements.
 std::vector<std::pair<size_t, size_t>> EvenRuns(size_t count, size_t limit);
 
 struct ViewChunk {
   std::vector<size_t> members;  ///< indices of proposals, ascending
-  size_t reference = 0;         ///< the training view beside them; held out from none of them
+  size_t reference = 0;         ///< training view beside them, held out from none of them
 };
 
-/// Each query in one chunk: those of one source and size, in their order, at most `limit` together, beside the training
-/// view whose camera is nearest to theirs; of the views of their size, where there is one. A chunk that holds every
-/// view out is halved. Throws InputError when a query holds out the only view there is.
+/// Plans chunks such that each query is in one. A chunk has queries of one source and size, in their order, at most
+/// `limit`, and the training view whose camera is nearest to theirs, preferably one of their size. A chunk that holds
+/// out every view is halved. Throws InputError when a query holds out the only view there is.
 std::vector<ViewChunk> PlanChunks(const std::vector<Query>& queries, const std::vector<LoadedView>& views,
                                   size_t limit);
 

@@ -25,9 +25,7 @@ class WorkspacePaths {
   std::filesystem::path photo_checks() const { return root_ / "photo_checks.json"; }
   std::filesystem::path options() const { return root_ / "options.json"; }  ///< scene and options of the run
   std::filesystem::path split() const { return root_ / "split.json"; }      ///< names of train and test views
-  std::filesystem::path stages() const {
-    return root_ / "stages.json";
-  }  ///< records of finished stages with the keys of their inputs
+  std::filesystem::path stages() const { return root_ / "stages.json"; }    ///< records of finished stages
   std::filesystem::path metrics() const { return root_ / "metrics.json"; }
   std::filesystem::path point_cloud() const { return root_ / "point_cloud.ply"; }
   std::filesystem::path exposures() const { return root_ / "exposures.json"; }
