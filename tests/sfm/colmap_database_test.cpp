@@ -39,7 +39,7 @@ constexpr char kTables[] = R"(
     data BLOB, FOREIGN KEY(image_id) REFERENCES images(image_id) ON DELETE CASCADE);
 )";
 
-/// What matching adds, columns as colmap makes them.
+/// Tables that matching adds, with the columns that colmap makes.
 constexpr char kMatchTables[] = R"(
   CREATE TABLE matches (pair_id INTEGER PRIMARY KEY NOT NULL, rows INTEGER NOT NULL, cols INTEGER NOT NULL, data BLOB);
   CREATE TABLE two_view_geometries (pair_id INTEGER PRIMARY KEY NOT NULL, rows INTEGER NOT NULL,

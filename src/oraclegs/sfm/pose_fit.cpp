@@ -19,7 +19,7 @@ constexpr double kOffOfFewMatches = 8;  // over the root of their number: the me
 
 constexpr int kMinMatchesOfPair = 15;  // colmap's own limit for a pair
 constexpr int kMinMatchesOfAll = 50, kMinPairsOfAll = 2;
-constexpr int kPlentyMatches = 200;  // suffice even where they are of one pair, or where no mistake explains them
+constexpr int kMinMatchesAlone = 200;  // suffice even where they are of one pair, or where no mistake explains them
 constexpr int kMinMatchesOfView = 50;
 constexpr double kHopelessShare = .15, kHopelessError = 5;  // of the limit
 constexpr double kMistakeShare = .5, kMistakeGain = .15;
@@ -165,7 +165,7 @@ PoseFit FitPoses(const Scene& scene, const std::vector<int>& views, const std::v
   PoseFit fit;
   Measure(scene, checked, &fit);
   const FitOfView& all = fit.all;
-  if (all.matches < kMinMatchesOfAll || (all.pairs < kMinPairsOfAll && all.matches < kPlentyMatches)) return fit;
+  if (all.matches < kMinMatchesOfAll || (all.pairs < kMinPairsOfAll && all.matches < kMinMatchesAlone)) return fit;
   if (!all.IsOff() && fit.NamesOff().empty()) {
     fit.verdict = PoseVerdict::kFit;
     return fit;
@@ -174,7 +174,7 @@ PoseFit FitPoses(const Scene& scene, const std::vector<int>& views, const std::v
   if (all.IsOff()) FindMistake(scene, checked, &fit);
   if (!fit.IsExplained()) FindTurned(checked, &fit);
   const bool hardly_fits = all.share < kHopelessShare && all.error > kHopelessError * all.limit;
-  if (hardly_fits && (fit.IsExplained() || all.matches >= kPlentyMatches)) fit.verdict = PoseVerdict::kHopeless;
+  if (hardly_fits && (fit.IsExplained() || all.matches >= kMinMatchesAlone)) fit.verdict = PoseVerdict::kHopeless;
   return fit;
 }
 

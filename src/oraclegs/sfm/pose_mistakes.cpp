@@ -50,9 +50,8 @@ std::vector<CameraChange> AxisChanges() {
   return changes;
 }
 
-/// The mean over all matches of what they miss the cameras by, an outlier counting as the limit: smooth, to refine by.
-double BoundedError(const std::vector<RayPair>& pairs, const std::vector<Eigen::Isometry3d>& cams_from_world,
-                    double limit) {
+/// The errors of all matches, in pixels of kReferenceSide.
+std::vector<double> ErrorsOf(const std::vector<RayPair>& pairs, const std::vector<Eigen::Isometry3d>& cams_from_world) {
   const double extent = ExtentOf(cams_from_world);
   std::vector<double> errors;
   for (const RayPair& pair : pairs) {
@@ -61,6 +60,13 @@ double BoundedError(const std::vector<RayPair>& pairs, const std::vector<Eigen::
                                cams_from_world[static_cast<size_t>(pair.b)], extent),
                  &errors);
   }
+  return errors;
+}
+
+/// The mean error of all matches, an outlier counting as the limit: smooth, to refine by.
+double BoundedError(const std::vector<RayPair>& pairs, const std::vector<Eigen::Isometry3d>& cams_from_world,
+                    double limit) {
+  const std::vector<double> errors = ErrorsOf(pairs, cams_from_world);
   double sum = 0;
   for (const double error : errors) sum += std::min(error, limit);
   return errors.empty() ? limit : sum / static_cast<double>(errors.size());
@@ -208,15 +214,7 @@ Intrinsics Changed(const Intrinsics& intrinsics, const CameraChange& change) {
 
 double FittingShare(const std::vector<RayPair>& pairs, const std::vector<Eigen::Isometry3d>& cams_from_world,
                     double limit) {
-  const double extent = ExtentOf(cams_from_world);
-  std::vector<double> errors;
-  for (const RayPair& pair : pairs) {
-    AppendErrors(pair,
-                 MotionBetween(cams_from_world[static_cast<size_t>(pair.a)],
-                               cams_from_world[static_cast<size_t>(pair.b)], extent),
-                 &errors);
-  }
-  return ShareBelow(errors, limit);
+  return ShareBelow(ErrorsOf(pairs, cams_from_world), limit);
 }
 
 ChangeFit BestAxes(const GivenCameras& given) {
@@ -236,13 +234,13 @@ ChangeFit BestFocal(const GivenCameras& given) {
 }
 
 TurnedViews FindTurnedViews(const GivenCameras& given) {
-  constexpr double kHardlyAny = .2, kMost = .6;
+  constexpr double kMaxShareAsGiven = .2, kMinShareTurned = .6;
   const TurnSearch search(given);
   const std::vector<bool> best = search.Best(), as_given(best.size(), false);
   TurnedViews turned{{}, search.ShareOf(best, TurnSearch::kAll)};
   for (size_t view = 0; view < best.size(); ++view) {
-    if (!best[view] || search.ShareOf(best, view) < kMost) continue;
-    if (search.ShareOf(as_given, view) < kHardlyAny) turned.views.push_back(static_cast<int>(view));
+    if (!best[view] || search.ShareOf(best, view) < kMinShareTurned) continue;
+    if (search.ShareOf(as_given, view) < kMaxShareAsGiven) turned.views.push_back(static_cast<int>(view));
   }
   return turned;
 }
