@@ -146,6 +146,13 @@ void FindTurned(const CheckedViews& checked, PoseFit* fit) {
   if (!turned.views.empty() && turned.share > fit->all.share) fit->turned = std::move(turned);
 }
 
+/// True when most matches miss the poses, and a mistake explains most of those that do.
+bool IsRuinedByMistake(const PoseFit& fit) {
+  if (!fit.IsExplained() || fit.all.share >= .5) return false;
+  const double explained = fit.change ? fit.change->share : fit.order ? fit.order->share : fit.turned->share;
+  return explained - fit.all.share > .5 * (1 - fit.all.share);
+}
+
 }  // namespace
 
 std::vector<std::string> PoseFit::NamesOff() const {
@@ -174,7 +181,7 @@ PoseFit FitPoses(const Scene& scene, const std::vector<int>& views, const std::v
   if (all.IsOff()) FindMistake(scene, checked, &fit);
   if (!fit.IsExplained()) FindTurned(checked, &fit);
   const bool hardly_fits = all.share < kHopelessShare && all.error > kHopelessError * all.limit;
-  if (hardly_fits && (fit.IsExplained() || all.matches >= kMinMatchesAlone)) fit.verdict = PoseVerdict::kHopeless;
+  if (IsRuinedByMistake(fit) || (hardly_fits && all.matches >= kMinMatchesAlone)) fit.verdict = PoseVerdict::kHopeless;
   return fit;
 }
 
