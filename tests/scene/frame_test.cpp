@@ -168,7 +168,7 @@ TEST_F(FrameTest, UnitsAndOriginDoNotMatter) {
         const double unit = far > 0 ? 1e-6 : 1e-9;  // doubles have 16 digits, 7 of which the offset takes
         EXPECT_NEAR((other.points[p].xyz - normal.points[p].xyz).norm(), 0, unit);
         EXPECT_NEAR((RunFromScene(frame) * given.points[p].xyz - other.points[p].xyz).norm(), 0, unit);
-        // What is written fits into floats.
+        // Written positions fit into floats.
         const Eigen::Vector3d written = written_from_run * other.points[p].xyz;
         EXPECT_NEAR((written + frame.offset - given.points[p].xyz).norm() * frame.scale, 0, unit);
         EXPECT_LT((written.cast<float>().cast<double>() - written).norm() * frame.scale, 1e-3);

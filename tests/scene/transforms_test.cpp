@@ -150,7 +150,7 @@ TEST_F(TransformsTest, NamesTheFrameWithANaN) {
   EXPECT_THAT(ReadError(), HasSubstr("frame 'a': \"transform_matrix\" is not a finite number"));
   WriteText(root() / "transforms.json", std::string(start) + "a" + matrix + "-Infinity], [0, 0, 1, 0]]}]}");
   EXPECT_THAT(ReadError(), HasSubstr("frame 'a': \"transform_matrix\" is not a finite number"));
-  // The same letters inside a string are a name.
+  // These letters inside a string are a name.
   WriteText(root() / "transforms.json", std::string(start) + "NaN\\\"b" + matrix + "0], [0, 0, 1, 0]]}]}");
   EXPECT_THAT(Names(Read()), ElementsAre("NaN\"b.png"));
 }

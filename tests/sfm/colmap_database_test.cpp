@@ -39,15 +39,14 @@ constexpr char kTables[] = R"(
     data BLOB, FOREIGN KEY(image_id) REFERENCES images(image_id) ON DELETE CASCADE);
 )";
 
-/// Tables that matching adds, with the columns of colmap.
+/// Tables that matching adds, with the columns that colmap makes.
 constexpr char kMatchTables[] = R"(
   CREATE TABLE matches (pair_id INTEGER PRIMARY KEY NOT NULL, rows INTEGER NOT NULL, cols INTEGER NOT NULL, data BLOB);
   CREATE TABLE two_view_geometries (pair_id INTEGER PRIMARY KEY NOT NULL, rows INTEGER NOT NULL,
     cols INTEGER NOT NULL, data BLOB, config INTEGER NOT NULL, F BLOB, E BLOB, H BLOB, qvec BLOB, tvec BLOB);
 )";
 
-/// Two cameras; images b, c, a in an order in which colmap's threads may finish them. `rows` tells whose keypoints are
-/// whose.
+/// Two cameras; b, c, a as colmap's threads may have finished them. `rows` shows whose keypoints they are.
 constexpr char kThreeImages[] = R"(
   INSERT INTO cameras VALUES (1, 0, 10, 20, x'00', 0), (4, 0, 10, 20, x'00', 0);
   INSERT INTO images VALUES (1, 'camera0/b.png', 1), (2, 'camera1/c.png', 4), (7, 'camera0/a.png', 1);
@@ -98,7 +97,7 @@ fs::path WriteDatabase(const TempDir& dir, const std::string& sql = std::string(
 
 const Intrinsics kOpenCvIntrinsics{CameraModel::kOpenCv, 640, 480, {500.5, 501.25, 320, 1. / 3, .1, -.2, 1e-300, -0.}};
 
-/// Expects that every function names the database, the fault and the fix.
+/// Every function must name the database, say what is wrong and what mends it.
 void ExpectRefused(const fs::path& database, const std::string& reason) {
   const auto message =
       AllOf(StartsWith(database.string() + ": "), HasSubstr(reason), HasSubstr("run the same command again"));

@@ -109,7 +109,7 @@ TEST(IsUnchanged, RefusesChangedInputs) {
   // The held-out view is no input.
   WriteImage(scene.views[1].image_path, 9, 9);
   EXPECT_TRUE(IsUnchanged(dir / "sfm", DescribeInputs(scene, kViews)));
-  // The same bytes, written later.
+  // A file with equal bytes, written later, is no change.
   const fs::path photo = scene.views[2].image_path;
   const auto written = fs::last_write_time(photo);
   fs::last_write_time(photo, written + std::chrono::seconds(1));

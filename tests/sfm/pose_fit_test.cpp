@@ -72,6 +72,7 @@ TEST(FitPoses, NamesMistakes) {
     EXPECT_NEAR(fit.change->change.focal_factor * mistake.focal_factor, 1, .02);
     EXPECT_GT(fit.change->share, .95);
     EXPECT_LT(fit.all.share, .5);
+    EXPECT_EQ(fit.verdict, PoseVerdict::kHopeless) << "a mistake that is known ends the run, however many miss";
   }
 }
 

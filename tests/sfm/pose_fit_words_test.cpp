@@ -17,7 +17,7 @@ using testing::StartsWith;
 
 Eigen::Matrix3d Flip(double x, double y, double z) { return Eigen::Vector3d(x, y, z).asDiagonal(); }
 
-/// Message about poses that are right after this change.
+/// Words for poses that are right after this change.
 std::string WordsAfter(const CameraChange& fits, SceneFormat format = SceneFormat::kTransforms) {
   Scene scene = MakeMatchedScene(4, 20).scene;
   scene.format = format;

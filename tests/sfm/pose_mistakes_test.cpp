@@ -39,6 +39,18 @@ TEST(BestAxes, FindsEachChange) {
   }
 }
 
+TEST(BestAxes, FindsInversesThatWereMovedSince) {
+  const Eigen::Translation3d moved(1.5, -.7, 4);
+  GivenCameras given = Given();
+  given.cams_from_world = Changed(given.cams_from_world, {Signed(1, 1, 1), true});
+  for (Eigen::Isometry3d& pose : given.cams_from_world) pose = pose * moved;
+  const ChangeFit best = BestAxes(given);
+  EXPECT_GT(best.share, .99);
+  EXPECT_TRUE(best.change.inverse);
+  EXPECT_EQ(best.change.axes, Signed(1, 1, 1));
+  EXPECT_LT((best.change.origin + moved.translation()).norm(), .1);
+}
+
 TEST(BestFocal, FindsTheFactor) {
   for (const double factor : {.5, .9, 1.3, 2., 3.}) {
     for (const bool is_other_resolution : {false, true}) {

@@ -23,7 +23,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// The views without intrinsics and poses.
+/// The views of a scene without intrinsics and poses.
 Scene Unposed(Scene scene) {
   scene.format = SceneFormat::kPhotos;
   for (SceneView& view : scene.views) {

@@ -1,5 +1,5 @@
 #pragma once
-// What people bring (folders, photos, videos, zip archives) becomes one folder of photos.
+// Folders, photos, videos and zip archives that people bring become one folder of photos.
 
 #include <filesystem>
 #include <vector>

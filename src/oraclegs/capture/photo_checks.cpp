@@ -23,7 +23,7 @@ constexpr int kCheckSide = 640;
 constexpr int kSignatureSide = 24;
 constexpr size_t kMetadataBytes = 256 * 1024;  // XMP stands near the start
 
-// Of the set's median: at a third, edges are some three pixels wide at the checked size where others' are one.
+// A share of the set's median: at a third, edges are some three pixels wide at the checked size where others' are one.
 constexpr double kBlurredShare = .3;
 constexpr double kBlurredSharpness = 2e-3;  // less detail than this has no photo in focus, whatever it shows
 constexpr size_t kMinForMedian = 4;

@@ -1,5 +1,5 @@
 #pragma once
-// What photos look like that will not register, or spoil the result: found before an hour is spent on them.
+// Photos that will not register, or spoil the result, are found before an hour is spent on them.
 
 #include <filesystem>
 #include <string>
@@ -15,7 +15,7 @@ struct CheckedPhoto {
   std::filesystem::path path;
 };
 
-/// What the checks look at, of one photo.
+/// Signs of one photo that the checks look at.
 struct PhotoSigns {
   double sharpness = 0;           ///< variance of the Laplacian per variance of the image, at a small size
   double mean = 0;                ///< gray level, 0 to 255
@@ -32,14 +32,14 @@ PhotoSigns ReadSigns(const std::filesystem::path& path);
 /// A sentence for each kind of trouble, naming the photos and what to do; empty when there is none.
 std::vector<std::string> DescribeTrouble(const std::vector<std::string>& names, const std::vector<PhotoSigns>& signs);
 
-/// What CheckPhotos found.
+/// Trouble that CheckPhotos found.
 struct PhotoTrouble {
   std::vector<std::string> warnings;
   std::vector<size_t> unreadable;  ///< indices of photos that cannot be decoded; a warning names each
 };
 
-/// Both, of photos without poses. Reports StepDone{"check"}. Throws InputError naming a photo that cannot be decoded
-/// when fewer than three others can.
+/// Reads the signs of photos without poses and describes the trouble. Reports StepDone{"check"}. Throws InputError
+/// naming a photo that cannot be decoded when fewer than three others can.
 PhotoTrouble CheckPhotos(const std::vector<CheckedPhoto>& photos, const Listener& listener);
 
 }  // namespace oraclegs

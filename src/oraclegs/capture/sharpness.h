@@ -4,8 +4,8 @@
 
 namespace oraclegs {
 
-/// How much fine detail a gray image has: the variance of its Laplacian (gray levels squared). Of two images of one
-/// scene and size, the blurred one has less. 0 for images below 3 x 3.
+/// Fine detail of a gray image: the variance of its Laplacian (gray levels squared). The blurred one of two images of
+/// one scene and size has less. 0 for images below 3 x 3.
 double Sharpness(const Image8& gray);
 
 }  // namespace oraclegs

@@ -124,7 +124,7 @@ fs::path SharedTop(zip_t* zip) {
   return top;
 }
 
-/// The archive's photos by where they go. What is not read is noted by reason.
+/// The archive's photos by where they go. Files that are not read are noted by reason.
 std::vector<ZipPhoto> ListPhotos(const fs::path& archive, zip_t* zip, Skipped* skipped) {
   std::vector<ZipPhoto> photos;
   size_t named = 0;

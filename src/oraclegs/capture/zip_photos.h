@@ -15,7 +15,7 @@ bool IsZip(const std::filesystem::path& path);
 int CountZipPhotos(const std::filesystem::path& archive);
 
 /// Unpacks the photos of an archive below `dir`, in the folders they have in the archive; names that lead out of it
-/// lead to `dir`. What looks like a photo or video and is not read is named to `listener`, and is not left in `dir`.
+/// lead to `dir`. Files that look like photos or videos and are not read are named to `listener` and not left there.
 /// Throws InputError naming the archive when it is damaged, holds nothing that can be read, or unpacks to more than
 /// CountZipPhotos allows, RunError when `dir` cannot be written or has too little room.
 void UnpackPhotos(const std::filesystem::path& archive, const std::filesystem::path& dir, const Listener& listener);

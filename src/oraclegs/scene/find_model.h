@@ -14,8 +14,8 @@ struct ModelPlace {
   std::filesystem::path images;  ///< the folder that its images' names start from
 };
 
-/// The model in sparse/N, sparse/ or the folder itself. Of several sparse/N, which are the pieces that COLMAP could not
-/// join, the one with the most images, with a note. `options.images` names the images' folder; else it is images/, or
+/// The model in sparse/N, sparse/ or the folder itself. Several sparse/N are pieces that COLMAP could not join: the one
+/// with the most images is taken, with a note. `options.images` names the images' folder; else it is images/, or
 /// the scene's folder where only that has them.
 std::optional<ModelPlace> FindModel(const std::filesystem::path& root, const SceneReadOptions& options,
                                     const Listener& listener);

@@ -131,7 +131,7 @@ std::vector<int> ViewsOf(const Scene& scene, const Scale& scale, const std::stri
   return views;
 }
 
-/// Of those that have a pose.
+/// The views that --scale names, which must have a pose.
 std::vector<int> FoundViewsOf(const Scene& scene, const Scale& scale, const std::string& text) {
   try {
     return ViewsOf(scene, scale, text);

@@ -47,18 +47,17 @@ Similarity RunFromScene(const SceneFrame& frame);
 /// The coordinates that models, meshes and depth are written in, from those of the run.
 Similarity WrittenFromRun(const SceneFrame& frame);
 
-/// Of a scene with poses: up becomes -y (down is y, as in a camera that is held level; splat viewers expect it), and
-/// the point that the cameras look at becomes the origin. Up is upright to the images' horizontal sides, however far
-/// the cameras look down; where they all look the same way, so that this is open, GPS says it (UpByGps), or else their
-/// mean up. The
-/// normal of the plane that most points lie near replaces it where the two are within 15 degrees. Nothing is turned
-/// about the vertical. A unit becomes a quarter of the cameras' median distance from the center, the size of scene that
-/// the constants of 3DGS were chosen for. The same scene gives the same bits.
+/// The level frame of a scene with poses: up becomes -y (down is y, as in a camera that is held level; splat viewers
+/// expect it), and the point that the cameras look at becomes the origin. Up is upright to the images' horizontal
+/// sides, however far the cameras look down; where they all look the same way, so that this is open, GPS says it
+/// (UpByGps), or else their mean up. The normal of the plane that most points lie near replaces it where the two are
+/// within 15 degrees. Nothing is turned about the vertical. A unit becomes a quarter of the cameras' median distance
+/// from the center, the size of scene that the constants of 3DGS were chosen for. Equal scenes give equal bits.
 SceneFrame LevelFrame(const Scene& scene);
 
 /// Throws UsageError unless --scale is "", a number above 0, or names two photos and a length above 0 (UnitMeters).
 void CheckScale(const std::string& text);
-/// The same before poses are known; also throws InputError for a photo that does not exist.
+/// Checks --scale before poses are known; also throws InputError for a photo that does not exist.
 void CheckScale(const Scene& scene, const std::string& text);
 
 /// How many meters a unit of the scene has, by --scale: a number says it; "A,B=0.35" says that the cameras of the views

@@ -1,5 +1,5 @@
 #pragma once
-// What the GPS positions of photos say of a scene.
+// Scale and vertical of a scene, from the GPS positions of its photos.
 
 #include <Eigen/Core>
 #include <optional>

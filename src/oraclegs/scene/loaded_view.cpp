@@ -48,7 +48,7 @@ struct Source {
   Orientation orientation = Orientation::kUpright;  ///< in which the image was read
 };
 
-/// Of an image of the dataset's folder images_N.
+/// Pixels that an image of the dataset's folder images_N must have.
 PixelSize SizeOfSmallerCopy(const SceneView& view, int downscale) {
   return WorkingSize({view.intrinsics.width, view.intrinsics.height}, {.downscale = downscale});
 }
@@ -123,7 +123,7 @@ ImageF ComposeSource(const Scene& scene, const SceneView& view, const Source& so
 }
 
 /// From premultiplied colors and alpha to straight colors, and alpha as the weights of used pixels where it is partial.
-/// What nothing covers has the color of the background.
+/// Pixels that nothing covers have the color of the background.
 void TakeStraightColors(const std::array<float, 3>& background, LoadedView* loaded) {
   constexpr float kMinAlpha = 1e-3f, kMaxAlpha = 1 - 1e-3f;  // filters round
   std::vector<float> weights = std::move(loaded->alpha);

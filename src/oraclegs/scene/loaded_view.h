@@ -17,7 +17,7 @@
 
 namespace oraclegs {
 
-/// What is behind transparent pixels and behind the scene.
+/// Color behind transparent pixels and behind the scene.
 enum class Background { kBlack, kWhite, kGray };
 template <>
 struct EnumWords<Background> {
@@ -27,7 +27,7 @@ struct EnumWords<Background> {
 /// Its RGB in [0, 1].
 std::array<float, 3> BackgroundColor(Background background);
 
-/// What --downscale N reads.
+/// Files that --downscale N reads.
 enum class SmallerCopies {
   kWhereFound,  ///< the files of images_N, else the images, resized
   kRequired,    ///< the files of images_N
@@ -104,7 +104,7 @@ std::filesystem::path ImageFile(const SceneView& view, const ImageOptions& optio
 
 /// The camera that LoadViews gives the view, without reading pixels.
 Camera WorkingCamera(const SceneView& view, const ImageOptions& options);
-/// The same of the scene's views with these indices.
+/// The cameras that LoadViews gives the scene's views with these indices.
 std::vector<Camera> WorkingCameras(const Scene& scene, const std::vector<int>& views, const ImageOptions& options);
 
 }  // namespace oraclegs

@@ -26,11 +26,11 @@ namespace fs = std::filesystem;
 
 using Histogram = std::array<int64_t, 256>;
 
-constexpr int kHalfWhite = 128;         // a mask with brighter pixels is one of black and white
-constexpr double kMaskLike = .98;       // share of pixels at either end
-constexpr double kAlmostAll = .98;      // of a border or middle
-constexpr double kMinKeptOfAll = .005;  // less is no photo of an object
-constexpr double kMostMasks = .8;
+constexpr int kHalfWhite = 128;           // a mask with brighter pixels is one of black and white
+constexpr double kMaskLike = .98;         // share of pixels at either end
+constexpr double kAlmostAll = .98;        // of a border or middle
+constexpr double kMinKeptOfAll = .005;    // less is no photo of an object
+constexpr double kMinInvertedShare = .8;  // of the masks
 constexpr size_t kMinMasksToJudge = 2;
 
 /// A gray PNG of 16 bits: its values are reduced to 8 only where they need the 16.
@@ -233,7 +233,7 @@ void WarnOfInverted(const Scene& scene, const FactsOfFiles& facts, int white, co
         KeptShare(of_file.border, threshold) >= kAlmostAll && KeptShare(of_file.middle, threshold) <= 1 - kAlmostAll;
     kept += KeptShare(of_file.all, threshold) / static_cast<double>(facts.size());
   }
-  if (static_cast<double>(inverted) >= kMostMasks * static_cast<double>(facts.size())) {
+  if (static_cast<double>(inverted) >= kMinInvertedShare * static_cast<double>(facts.size())) {
     listener(Warning{fmt::format(
         "{}: {} of {} ignore the middle of the photo and keep its border; are they inverted? White is used, black is "
         "ignored",

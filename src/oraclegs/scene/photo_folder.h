@@ -17,8 +17,8 @@ inline constexpr int kMaxPhotos = 500;       ///< unposed photos of one scene: e
 /// files of masks, depth maps and the like are passed over (photo_kind.h); of a folder that a known program wrote, its
 /// photos alone are taken (capture_layout.h). Links to folders are followed, each folder is visited once, and none that
 /// holds `dir`. Where there are no other images, those of one folder of depth maps or the like are the photos; not
-/// those of masks/. What is passed over though it looks like a photo, what is taken though it does not, and poses that
-/// are not read are named to `listener`, once for each reason.
+/// those of masks/. Files that are passed over though they look like photos, files that are taken though they do not,
+/// and poses that are not read are named to `listener`, once for each reason.
 std::vector<std::filesystem::path> FindPhotos(const std::filesystem::path& dir, const Listener& listener);
 
 /// The photos below `dir` as views: named by their path below it, with the size of each and what EXIF says of its

@@ -1,5 +1,5 @@
 #pragma once
-// What is known of a scene before any pixel is read: views, points, and what every reader does with the views it found.
+// A scene before any pixel is read: views, points, and what every reader does with the views it found.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

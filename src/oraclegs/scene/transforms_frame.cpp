@@ -90,7 +90,7 @@ bool IsFisheye(const TransformsFrame& frame) {
   throw InputError("{}: camera_model '{}' is not supported; undistort the photos to PINHOLE first", frame.place, model);
 }
 
-/// What R R' or the determinant says is wrong with a matrix that is not a rotation.
+/// Says by R R' and the determinant what is wrong with a matrix that is not a rotation.
 std::string WhyNoRotation(const Eigen::Matrix3d& r, double deviation) {
   const double det = r.determinant();
   const double scale = std::cbrt(std::abs(det));

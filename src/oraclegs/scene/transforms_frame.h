@@ -18,9 +18,9 @@ struct TransformsFrame {
 
   /// The frame's value, or else the file's; nullptr when neither has it (or it is null).
   const nlohmann::json* Find(const char* key) const;
-  /// The same as a finite number; throws InputError when it is something else.
+  /// That value as a finite number; throws InputError when it is something else.
   std::optional<double> FindNumber(const char* key) const;
-  /// The same as text.
+  /// That value as text.
   std::optional<std::string> FindText(const char* key) const;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
-// What is finished of the attempts to find cameras, written after each step: a run that was stopped or killed goes on
-// there.
+// Steps that are finished of the attempts to find cameras, written after each one: a run that was stopped or killed
+// goes on there.
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>

@@ -20,7 +20,7 @@ int64_t AllPairs(int images) { return int64_t{images} * (images - 1) / 2; }
 
 int64_t PairsToMatch(int images) {
   if (images <= kMaxImagesToMatchAll) return AllPairs(images);
-  return std::min<int64_t>(AllPairs(images), int64_t{images} * (kNextInOrder + kMostAlike));
+  return std::min<int64_t>(AllPairs(images), int64_t{images} * (kNextInOrder + kMaxAlike));
 }
 
 std::vector<std::pair<int, int>> ChoosePairs(const Eigen::MatrixXf& descriptions) {
@@ -32,7 +32,7 @@ std::vector<std::pair<int, int>> ChoosePairs(const Eigen::MatrixXf& descriptions
     std::vector<int> others(static_cast<size_t>(images));
     std::iota(others.begin(), others.end(), 0);
     std::erase_if(others, [&](int j) { return j == i || !(alike(i, j) > 0); });
-    const auto most = std::min<size_t>(kMostAlike, others.size());
+    const auto most = std::min<size_t>(kMaxAlike, others.size());
     std::partial_sort(others.begin(), others.begin() + static_cast<std::ptrdiff_t>(most), others.end(),
                       [&](int a, int b) { return alike(i, a) > alike(i, b) || (alike(i, a) == alike(i, b) && a < b); });
     for (size_t k = 0; k < most; ++k) pairs.insert({std::min(i, others[k]), std::max(i, others[k])});

@@ -17,10 +17,10 @@ inline constexpr int kMaxImagesToMatchAll = 60;  ///< all pairs of more take lon
 int64_t PairsToMatch(int images);
 
 /// The pairs (i, j), i < j, of images in the order of their names: each with its kNextInOrder next ones and the
-/// kMostAlike most alike ones by their descriptions, one a row, of unit length (a row of zeros is like none).
+/// kMaxAlike most alike ones by their descriptions, one a row, of unit length (a row of zeros is like none).
 std::vector<std::pair<int, int>> ChoosePairs(const Eigen::MatrixXf& descriptions);
 
-inline constexpr int kNextInOrder = 4, kMostAlike = 10;
+inline constexpr int kNextInOrder = 4, kMaxAlike = 10;
 
 /// Matches the images of colmap's database: all pairs of at most kMaxImagesToMatchAll, else chosen ones, which
 /// it is reported to `listener`.

@@ -38,7 +38,7 @@ enum class TwoViewConfig {
   kMultiple = 8,
 };
 
-/// What colmap found between two images.
+/// Two images that colmap matched.
 struct MatchedPair {
   uint32_t first = 0, second = 0;  ///< image ids, first < second
   int matches = 0;                 ///< features that look alike

@@ -10,11 +10,11 @@
 
 namespace oraclegs {
 
-/// What a model says of one of its images.
+/// One image of a model.
 struct RegisteredImage {
   int points = 0;  ///< that it saw
-  double parallax_degrees =
-      0;  ///< median over them of the widest angle between this view's ray and another's; 0 without
+  /// Median over them of the widest angle between this view's ray and another's; 0 without points.
+  double parallax_degrees = 0;
 };
 
 struct ModelQuality {
@@ -35,7 +35,7 @@ inline constexpr double kMaxDistortion = .6;  ///< of the first radial coefficie
 
 ModelQuality MeasureModel(const ColmapCameras& cameras, const std::vector<ColmapImage>& images,
                           const std::vector<ColmapPoint>& points);
-/// The same of a model folder. Throws InputError as ReadColmapScene does.
+/// Quality of the model in a folder. Throws InputError as ReadColmapScene does.
 ModelQuality MeasureModel(const std::filesystem::path& model_dir);
 
 /// True when a model can be right: two images or more, plausible intrinsics, points enough to hold the poses, and rays

@@ -78,7 +78,7 @@ class ColmapRunner {
   void Run(const std::string& command, const ColmapOptions& options, const std::string& what) const;
 
  private:
-  /// What is reported of a command; blocks of no images where it does not match all pairs.
+  /// Words and numbers to report a command by; blocks of no images where it does not match all pairs.
   struct Task {
     std::string what;
     MatchingBlocks blocks;

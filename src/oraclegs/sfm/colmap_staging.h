@@ -37,8 +37,8 @@ std::vector<StagedView> PlanStaging(const Scene& scene, const std::vector<int>& 
 bool StageImages(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
                  const std::filesystem::path& work_dir);
 
-/// What a result depends on: of each view name, content of image and mask, intrinsics and pose. Throws InputError for a
-/// file that cannot be read.
+/// All that a result depends on: each view's name, content of image and mask, intrinsics and pose. Throws InputError
+/// for a file that cannot be read.
 nlohmann::json DescribeInputs(const Scene& scene, const std::vector<int>& views);
 
 }  // namespace oraclegs

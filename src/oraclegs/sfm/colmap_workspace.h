@@ -17,8 +17,8 @@ namespace oraclegs {
 bool IsUnchanged(const std::filesystem::path& work_dir, const nlohmann::json& inputs);
 /// Writes inputs.json, the last file of a run: its presence says that the rest is whole.
 void MarkDone(const std::filesystem::path& work_dir, const nlohmann::json& inputs);
-/// What colmap failed with on these inputs, as it would again; empty when it did not, or when another colmap stands
-/// there now.
+/// The failure of colmap on these inputs, which it would meet again; empty when it did not fail, or when another colmap
+/// stands there now.
 std::string RememberedFailure(const std::filesystem::path& work_dir, const nlohmann::json& inputs);
 /// Writes failure.json. Throws RunError.
 void RememberFailure(const std::filesystem::path& work_dir, const nlohmann::json& inputs, const std::string& text);

@@ -196,7 +196,7 @@ class AttemptRunner {
     return dir;
   }
 
-  /// Records one model, and takes it when it is better. Of a model of which a few cameras are implausible, the rest.
+  /// Records one model, and takes it when it is better, without the few cameras of it that are implausible.
   void Consider(const Candidate& candidate, AttemptRecord* record) {
     if (HasPlausiblePart(candidate.quality)) {
       ConsiderPlausiblePart(candidate, record);

@@ -24,8 +24,8 @@ struct AttemptResult {
   std::vector<AttemptRecord> attempts;
 };
 
-/// Follows the schedule until it is enough, or until the matches say that no more can help. What an earlier call, of
-/// the same images, finished in AttemptsFolder(work_dir) is not done again. Leaves the best sound model in
+/// Follows the schedule until it is enough, or until the matches say that no more can help. Steps that an earlier call,
+/// of the same images, finished in AttemptsFolder(work_dir) are not done again. Leaves the best sound model in
 /// work_dir/sparse/0 and, as work_dir/database.db, the features and matches it was made from; without a sound model the
 /// first set's. Throws ColmapFailure when the first set's features or matches fail; later failures only end their
 /// attempt.

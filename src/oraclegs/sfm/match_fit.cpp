@@ -96,7 +96,8 @@ Motion MotionBetween(const Eigen::Isometry3d& a_from_world, const Eigen::Isometr
   const Eigen::Matrix3d &a = a_from_world.linear(), &b = b_from_world.linear();
   Motion motion{Eigen::Isometry3d::Identity(), extent};
   motion.b_from_a.linear() = b * a.transpose();
-  // Of the two centers far from the origin, not of t - R t, whose rounding grows with what R lacks to a rotation.
+  // The difference of the two centers, not t - R t, whose rounding grows far from the origin with what R lacks to a
+  // rotation.
   const Eigen::Vector3d center_a = -(a.transpose() * a_from_world.translation());
   const Eigen::Vector3d center_b = -(b.transpose() * b_from_world.translation());
   motion.b_from_a.translation() = b * (center_a - center_b);

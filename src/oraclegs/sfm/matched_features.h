@@ -14,7 +14,7 @@ namespace oraclegs {
 /// not verified, or when its lists and the images' keypoints do not fit together. Throws RunError naming the database.
 std::vector<PointMatch> ReadInliers(const std::filesystem::path& database, uint32_t first, uint32_t second);
 
-/// Likewise the features of that pair that look alike and are no inliers.
+/// The features of that pair that look alike and are no inliers, as ReadInliers returns those.
 std::vector<PointMatch> ReadOutliers(const std::filesystem::path& database, uint32_t first, uint32_t second);
 
 using DescriptorMatrix = Eigen::Matrix<float, Eigen::Dynamic, 128, Eigen::RowMajor>;

@@ -1,5 +1,5 @@
 #pragma once
-// What the matches of two images say before any camera is known.
+// Evidence in the matches of two images, before any camera is known.
 
 #include <filesystem>
 #include <string>

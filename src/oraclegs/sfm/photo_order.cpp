@@ -130,7 +130,7 @@ class Assignment {
     return seeds;
   }
 
-  /// What the view of this number adds with pose p to those that have one.
+  /// Matches that the view of this number, with pose p, adds to those of the views that have a pose.
   double Gain(const Order& order, int view, int p) const {
     double gain = 0;
     for (size_t k = 0; k < fits_.size(); ++k) {

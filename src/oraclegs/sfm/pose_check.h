@@ -1,5 +1,5 @@
 #pragma once
-// What can be known of depth from the poses of a scene, before any pixel is read.
+// Whether the poses of a scene let depth be found, before any pixel is read.
 
 #include <string>
 #include <vector>

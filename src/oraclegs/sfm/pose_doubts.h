@@ -1,5 +1,5 @@
 #pragma once
-// What speaks against poses that were found: each doubt is a line that says what to do.
+// Doubts about poses that were found: each is a line that says what to do.
 
 #include <filesystem>
 #include <string>

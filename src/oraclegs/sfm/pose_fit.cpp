@@ -19,7 +19,7 @@ constexpr double kOffOfFewMatches = 8;  // over the root of their number: the me
 
 constexpr int kMinMatchesOfPair = 15;  // colmap's own limit for a pair
 constexpr int kMinMatchesOfAll = 50, kMinPairsOfAll = 2;
-constexpr int kPlentyMatches = 200;  // suffice even where they are of one pair, or where no mistake explains them
+constexpr int kMinMatchesAlone = 200;  // suffice even where they are of one pair, or where no mistake explains them
 constexpr int kMinMatchesOfView = 50;
 constexpr double kHopelessShare = .15, kHopelessError = 5;  // of the limit
 constexpr double kMistakeShare = .5, kMistakeGain = .15;
@@ -146,6 +146,13 @@ void FindTurned(const CheckedViews& checked, PoseFit* fit) {
   if (!turned.views.empty() && turned.share > fit->all.share) fit->turned = std::move(turned);
 }
 
+/// True when most matches miss the poses, and a mistake explains most of those that do.
+bool IsRuinedByMistake(const PoseFit& fit) {
+  if (!fit.IsExplained() || fit.all.share >= .5) return false;
+  const double explained = fit.change ? fit.change->share : fit.order ? fit.order->share : fit.turned->share;
+  return explained - fit.all.share > .5 * (1 - fit.all.share);
+}
+
 }  // namespace
 
 std::vector<std::string> PoseFit::NamesOff() const {
@@ -165,7 +172,7 @@ PoseFit FitPoses(const Scene& scene, const std::vector<int>& views, const std::v
   PoseFit fit;
   Measure(scene, checked, &fit);
   const FitOfView& all = fit.all;
-  if (all.matches < kMinMatchesOfAll || (all.pairs < kMinPairsOfAll && all.matches < kPlentyMatches)) return fit;
+  if (all.matches < kMinMatchesOfAll || (all.pairs < kMinPairsOfAll && all.matches < kMinMatchesAlone)) return fit;
   if (!all.IsOff() && fit.NamesOff().empty()) {
     fit.verdict = PoseVerdict::kFit;
     return fit;
@@ -174,7 +181,7 @@ PoseFit FitPoses(const Scene& scene, const std::vector<int>& views, const std::v
   if (all.IsOff()) FindMistake(scene, checked, &fit);
   if (!fit.IsExplained()) FindTurned(checked, &fit);
   const bool hardly_fits = all.share < kHopelessShare && all.error > kHopelessError * all.limit;
-  if (hardly_fits && (fit.IsExplained() || all.matches >= kPlentyMatches)) fit.verdict = PoseVerdict::kHopeless;
+  if (IsRuinedByMistake(fit) || (hardly_fits && all.matches >= kMinMatchesAlone)) fit.verdict = PoseVerdict::kHopeless;
   return fit;
 }
 

@@ -35,7 +35,7 @@ enum class PoseVerdict {
   kUnknown,   ///< too few matches to say anything
   kFit,       ///< matches fit as far as features can be located
   kOff,       ///< they nearly fit, or fit for some views only
-  kHopeless,  ///< hardly any match fits
+  kHopeless,  ///< hardly any match fits, or most miss by a mistake that is known
 };
 
 struct PoseFit {

@@ -1,5 +1,5 @@
 #pragma once
-// What a check of given poses says to who took the photos.
+// The result of the check of given poses, in words for people and as JSON.
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>

@@ -50,9 +50,8 @@ std::vector<CameraChange> AxisChanges() {
   return changes;
 }
 
-/// The mean over all matches of what they miss the cameras by, an outlier counting as the limit: smooth, to refine by.
-double BoundedError(const std::vector<RayPair>& pairs, const std::vector<Eigen::Isometry3d>& cams_from_world,
-                    double limit) {
+/// The errors of all matches, in pixels of kReferenceSide.
+std::vector<double> ErrorsOf(const std::vector<RayPair>& pairs, const std::vector<Eigen::Isometry3d>& cams_from_world) {
   const double extent = ExtentOf(cams_from_world);
   std::vector<double> errors;
   for (const RayPair& pair : pairs) {
@@ -61,9 +60,50 @@ double BoundedError(const std::vector<RayPair>& pairs, const std::vector<Eigen::
                                cams_from_world[static_cast<size_t>(pair.b)], extent),
                  &errors);
   }
+  return errors;
+}
+
+/// The mean error of all matches, an outlier counting as the limit: smooth, to refine by.
+double BoundedError(const std::vector<RayPair>& pairs, const std::vector<Eigen::Isometry3d>& cams_from_world,
+                    double limit) {
+  const std::vector<double> errors = ErrorsOf(pairs, cams_from_world);
   double sum = 0;
   for (const double error : errors) sum += std::min(error, limit);
   return errors.empty() ? limit : sum / static_cast<double>(errors.size());
+}
+
+/// The origin about which poses that are inverted fit best. The poses and their inverses differ by it: a camera stands
+/// at t + R origin, so that the epipolar constraint of a match is linear in it. Weighted least squares, where a weight
+/// makes the residual an angle and holds down what misses by more than `limit` pixels.
+Eigen::Vector3d FitOrigin(const std::vector<RayPair>& pairs, const std::vector<Eigen::Isometry3d>& cams_from_world,
+                          const Eigen::Matrix3d& axes, double limit) {
+  constexpr int kRounds = 6;
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (const RayPair& pair : pairs) {
+      const Eigen::Isometry3d& a = cams_from_world[static_cast<size_t>(pair.a)];
+      const Eigen::Isometry3d& b = cams_from_world[static_cast<size_t>(pair.b)];
+      const Eigen::Vector3d moved = b.translation() - a.translation();
+      const Eigen::Matrix3d turned = b.linear() - a.linear();
+      const Eigen::Vector3d baseline = moved + turned * origin;
+      for (size_t i = 0; i < pair.rays_a.size(); ++i) {
+        const Eigen::Vector3d ray_a = a.linear() * (axes.transpose() * pair.rays_a[i]);
+        const Eigen::Vector3d ray_b = b.linear() * (axes.transpose() * pair.rays_b[i]);
+        const Eigen::Vector3d across = ray_a.cross(ray_b);
+        const double scale2 = baseline.cross(ray_a).squaredNorm() + baseline.cross(ray_b).squaredNorm();
+        if (!(scale2 > 0)) continue;
+        const double pixels = across.dot(baseline) / std::sqrt(scale2) * pair.pixels_per_radian / limit;
+        const double weight = 1 / (scale2 * (1 + pixels * pixels));
+        const Eigen::Vector3d row = turned.transpose() * across;
+        normal += weight * row * row.transpose();
+        right -= weight * across.dot(moved) * row;
+      }
+    }
+    origin = normal.completeOrthogonalDecomposition().solve(right);
+  }
+  return origin;
 }
 
 std::vector<Intrinsics> AllChanged(const std::vector<Intrinsics>& intrinsics, const CameraChange& change) {
@@ -189,7 +229,8 @@ std::vector<Eigen::Isometry3d> Changed(const std::vector<Eigen::Isometry3d>& cam
                                        const CameraChange& change) {
   std::vector<Eigen::Isometry3d> changed;
   for (const Eigen::Isometry3d& given : cams_from_world) {
-    const Eigen::Isometry3d cam_from_world = change.inverse ? given.inverse() : given;
+    const Eigen::Isometry3d cam_from_world =
+        change.inverse ? (given * Eigen::Translation3d(change.origin)).inverse() : given;
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     pose.linear() =
         change.axes * cam_from_world.linear() * change.axes.transpose();  // a rotation where axes mirror, too
@@ -208,22 +249,15 @@ Intrinsics Changed(const Intrinsics& intrinsics, const CameraChange& change) {
 
 double FittingShare(const std::vector<RayPair>& pairs, const std::vector<Eigen::Isometry3d>& cams_from_world,
                     double limit) {
-  const double extent = ExtentOf(cams_from_world);
-  std::vector<double> errors;
-  for (const RayPair& pair : pairs) {
-    AppendErrors(pair,
-                 MotionBetween(cams_from_world[static_cast<size_t>(pair.a)],
-                               cams_from_world[static_cast<size_t>(pair.b)], extent),
-                 &errors);
-  }
-  return ShareBelow(errors, limit);
+  return ShareBelow(ErrorsOf(pairs, cams_from_world), limit);
 }
 
 ChangeFit BestAxes(const GivenCameras& given) {
   const std::vector<RayPair> rays = RaysOf(Thinned(given.pairs, kMatchesOfPair), given.intrinsics);
   ChangeFit best;
   best.share = -kAlike;
-  for (const CameraChange& change : AxisChanges()) {
+  for (CameraChange change : AxisChanges()) {
+    if (change.inverse) change.origin = FitOrigin(rays, given.cams_from_world, change.axes, given.limit);
     const double share = FittingShare(rays, Changed(given.cams_from_world, change), given.limit);
     if (share > best.share + kAlike) best = {change, share};
   }
@@ -236,13 +270,13 @@ ChangeFit BestFocal(const GivenCameras& given) {
 }
 
 TurnedViews FindTurnedViews(const GivenCameras& given) {
-  constexpr double kHardlyAny = .2, kMost = .6;
+  constexpr double kMaxShareAsGiven = .2, kMinShareTurned = .6;
   const TurnSearch search(given);
   const std::vector<bool> best = search.Best(), as_given(best.size(), false);
   TurnedViews turned{{}, search.ShareOf(best, TurnSearch::kAll)};
   for (size_t view = 0; view < best.size(); ++view) {
-    if (!best[view] || search.ShareOf(best, view) < kMost) continue;
-    if (search.ShareOf(as_given, view) < kHardlyAny) turned.views.push_back(static_cast<int>(view));
+    if (!best[view] || search.ShareOf(best, view) < kMinShareTurned) continue;
+    if (search.ShareOf(as_given, view) < kMaxShareAsGiven) turned.views.push_back(static_cast<int>(view));
   }
   return turned;
 }

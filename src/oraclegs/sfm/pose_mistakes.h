@@ -1,5 +1,5 @@
 #pragma once
-// What may have happened to poses that do not fit the photos: the usual mistakes, each tried by the same score.
+// The usual mistakes in poses that do not fit the photos, each tried by one score.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -18,6 +18,9 @@ struct CameraChange {
   bool inverse = false;              ///< the matrices map the other way
   double focal_factor = 1;           ///< on the focal lengths
   bool is_other_resolution = false;  ///< the factor is on the principal point, too
+  /// Where the inverted matrices have their origin, in the coordinates of the poses: a frame may have moved these
+  /// since.
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 };
 
 /// How well the matches fit after such a change.
@@ -43,8 +46,8 @@ Intrinsics Changed(const Intrinsics& intrinsics, const CameraChange& change);
 double FittingShare(const std::vector<RayPair>& pairs, const std::vector<Eigen::Isometry3d>& cams_from_world,
                     double limit);
 
-/// The best of all changes of axes and direction: turned, mirrored or renamed axes (48), as they are or inverted. Of
-/// those that fit alike the most usual.
+/// The best of all changes of axes and direction: turned, mirrored or renamed axes (48), as they are or inverted about
+/// the origin that fits best. The most usual one wins among those that fit alike.
 ChangeFit BestAxes(const GivenCameras& given);
 
 /// The best factor of the focal length (1/4 to 4), alone or together with the principal point.

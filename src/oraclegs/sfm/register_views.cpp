@@ -151,7 +151,7 @@ RegistrationReport Register(const Scene& photos, const Distinct& distinct, const
     }
   }
   WriteFileAtomically(work_dir / kReport, ReportToJson(report).dump(1) + "\n");
-  // Of a pure rotation colmap now and then makes a model out of the matches' noise.
+  // Colmap now and then makes a model of a pure rotation, out of the matches' noise.
   if (report.registered() < 2 || TakenFromOnePoint(report)) FailRegistration(photos, report, work_dir);
   return report;
 }

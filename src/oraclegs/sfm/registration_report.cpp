@@ -11,7 +11,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr int kFewFeatures = 150;           // a sharp, textured photo has thousands
+constexpr int kMinFeatures = 150;           // a sharp, textured photo has thousands
 constexpr int kMinMatchesToRegister = 30;   // what colmap asks for by default
 constexpr double kMinParallaxForDepth = 1;  // degrees; depth is known to a few percent at best
 constexpr size_t kMaxNeighborsReported = 5;
@@ -33,7 +33,7 @@ std::vector<std::string> RegisteredAround(const RegistrationReport& report, size
 ViewStatus StatusOfMissing(const ViewReport& view, const std::map<std::string, RegisteredImage>& registered) {
   if (!view.same_as.empty()) return ViewStatus::kDuplicate;
   const int most = view.neighbors.empty() ? 0 : view.neighbors[0].inliers;
-  if (view.features < kMinFeaturesToMatch || (view.features < kFewFeatures && most < kMinMatchesToRegister)) {
+  if (view.features < kMinFeaturesToMatch || (view.features < kMinFeatures && most < kMinMatchesToRegister)) {
     return ViewStatus::kFewFeatures;
   }
   if (most == 0) return ViewStatus::kNoMatches;

@@ -1,5 +1,5 @@
 #pragma once
-// What is reported of each photo after structure from motion: registered or why not, and what to take instead.
+// The report on each photo after structure from motion: registered or why not, and what to take instead.
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>

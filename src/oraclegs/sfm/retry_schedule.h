@@ -28,7 +28,7 @@ struct FeatureSet {
   bool needs_link = false;  ///< of no use for images that are linked to no other
 };
 
-/// What the matches so far say of the images that are not registered.
+/// Signs in the matches so far that images which are not registered can be.
 struct MatchEvidence {
   int links = 0;           ///< of such an image to another (pair_evidence.h)
   bool one_place = false;  ///< all links, of any images, are pure rotations of the camera
@@ -60,8 +60,8 @@ bool IsWorthTrying(const FeatureSet& set, const ModelQuality& best, int images, 
 /// True when an image that is missing in `best` has features enough to be matched. `feature_counts` by name.
 bool CanMatchMissing(const std::map<std::string, int>& feature_counts, const ModelQuality& best);
 
-/// Of `names`, those `best` lacks, each paired with every other image (a pair once): what is worth matching again.
-/// Empty when the pairs are more than kMaxPairsToRematch.
+/// Pairs that are worth matching again: each of `names` that `best` lacks with every other image, a pair once. Empty
+/// when they are more than kMaxPairsToRematch.
 std::vector<std::pair<std::string, std::string>> PairsOfMissing(const std::vector<std::string>& names,
                                                                 const ModelQuality& best);
 

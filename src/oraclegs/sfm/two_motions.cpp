@@ -9,7 +9,7 @@
 namespace oraclegs {
 namespace {
 
-// Of the longer side: 1.5 and 6 pixels of 1500.
+// Shares of the longer side: 1.5 and 6 pixels of 1500.
 constexpr double kStill = .001, kNearly = .004;
 constexpr double kOnPlane = .002;
 constexpr double kOfOneMotion = .008;  // of an affine map of a thing in motion, whose own parallax it leaves out
@@ -102,7 +102,7 @@ MotionCounts CountMotions(const AlikeFeatures& features) {
       const double moved = Displacement(match) / features.side;
       if (moved <= kStill) ++counts.still;
       if (moved > kStill && moved <= kNearly) ++counts.nearly;
-      // What moves is counted among verified matches alone, where a still part was not what was verified.
+      // Moving features are counted among verified matches alone, where a still part was not what was verified.
       if (moved > kNearly && matches == &features.inliers) ++counts.moving;
     }
   }

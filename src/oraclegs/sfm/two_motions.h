@@ -19,7 +19,7 @@ struct AlikeFeatures {
   double side = 0;                            ///< pixels of the longer side of the larger image
 };
 
-/// How many of these features do what.
+/// Numbers of these features by what they do.
 struct MotionCounts {
   int still = 0;   ///< stay at their pixel
   int nearly = 0;  ///< move by a little: where cameras circle around a point, many do
@@ -36,7 +36,7 @@ struct MotionCounts {
   bool IsPlanar() const;
 };
 
-/// The same for the same features: the sample is drawn by their number.
+/// Counts depend on the features alone: the sample is drawn by their number.
 MotionCounts CountMotions(const AlikeFeatures& features);
 
 }  // namespace oraclegs

@@ -1,6 +1,6 @@
 #pragma once
-// What colmap verified between the images of a database, without any pose: of each pair the matches that one motion of
-// the camera explains.
+// Matches that colmap verified between the images of a database, without any pose: those that one motion of the camera
+// explains.
 
 #include <filesystem>
 #include <string>
