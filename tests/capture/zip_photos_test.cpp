@@ -1,7 +1,10 @@
 #include "oraclegs/capture/zip_photos.h"
 
+#include <dlfcn.h>
+#include <sys/statvfs.h>
 #include <zip.h>
 
+#include <atomic>
 #include <map>
 
 #include "image/jpeg_files.h"
@@ -10,6 +13,20 @@
 #include "support/errors.h"
 #include "support/event_recorder.h"
 #include "support/temp_dir.h"
+
+namespace {
+
+std::atomic<int64_t> g_free_bytes = -1;  // of every disk, where it is not negative
+
+}  // namespace
+
+/// The system's, for std::filesystem::space.
+extern "C" int statvfs(const char* path, struct statvfs* disk) noexcept {
+  static auto* const system = reinterpret_cast<decltype(&statvfs)>(dlsym(RTLD_NEXT, "statvfs"));
+  const int result = system(path, disk);
+  if (g_free_bytes >= 0) disk->f_bavail = static_cast<fsblkcnt_t>(g_free_bytes) / disk->f_frsize;
+  return result;
+}
 
 namespace oraclegs {
 namespace {
@@ -134,6 +151,20 @@ TEST(UnpackPhotos, BelievesNoSize) {
   EXPECT_EQ(CountZipPhotos(dir / "a.zip"), 1);
   EXPECT_THROW(UnpackPhotos(dir / "a.zip", dir / "out", Silent()), InputError);
   EXPECT_TRUE(fs::is_empty(dir / "out"));
+}
+
+TEST(UnpackPhotos, RefusesAFullDiskBeforeItWrites) {
+  const TempDir dir;
+  const std::string jpeg = EncodeJpeg(SmoothImage(16, 12, 3)) + std::string(50'000'000, '\0');
+  WriteArchive(dir / "a.zip", {{"1.jpg", jpeg}, {"2.jpg", jpeg}});
+  g_free_bytes = 60'000'000;
+  const std::string error = MessageOf<RunError>([&] { UnpackPhotos(dir / "a.zip", dir / "out", Silent()); });
+  g_free_bytes = 200'000'000;
+  UnpackPhotos(dir / "a.zip", dir / "room", Silent());
+  g_free_bytes = -1;
+  EXPECT_THAT(error, HasSubstr("out: the photos take 0.1 GB, and 0.1 GB are free; make room there"));
+  EXPECT_TRUE(fs::is_empty(dir / "out"));
+  EXPECT_TRUE(fs::exists(dir / "room" / "2.jpg"));
 }
 
 TEST(CountZipPhotos, NamesWhatIsWrong) {

@@ -28,6 +28,15 @@ TEST(MapFile, KeepsTheBytesAsLongAsTheOwnerLives) {
   EXPECT_EQ(bytes, std::string_view("x\0y", 3));
 }
 
+TEST(MapFile, OutlivesAFileThatIsCut) {
+  const TempDir dir;
+  const std::string content(100'000, 'x');
+  WriteFileAtomically(dir / "a", content);
+  const MappedFile file = MapFile(dir / "a");
+  std::filesystem::resize_file(dir / "a", 10);
+  EXPECT_EQ(file.bytes, content);
+}
+
 TEST(MapFile, RefusesWhatIsNoFile) {
   const TempDir dir;
   WriteFileAtomically(dir / "empty", "");

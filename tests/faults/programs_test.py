@@ -64,7 +64,8 @@ class Programs(unittest.TestCase):
         for fault in some(["hang", "killed", "full", "memory"], 2):
             with self.subTest(fault):
                 self.fails(fault, "mapper", "colmap mapper")
-        for fault in some(["fail", "crash", "nothing"], 1):  # as where nothing registers
+        self.fails("crash", "mapper", "colmap mapper crashed (signal 11)", "run the same command again")
+        for fault in some(["fail", "nothing"], 1):  # as where nothing registers
             with self.subTest(fault):
                 self.fails(fault, "mapper", "could not be found", code=3)
         shutil.rmtree(self.out / "sfm")  # what nothing registered in is not tried again

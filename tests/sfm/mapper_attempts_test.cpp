@@ -17,6 +17,7 @@
 #include "oraclegs/scene/read_colmap.h"
 #include "oraclegs/sfm/colmap_runner.h"
 #include "scene/tiny_scenes.h"
+#include "support/errors.h"
 #include "support/event_recorder.h"
 #include "support/temp_dir.h"
 
@@ -140,6 +141,26 @@ TEST(RunAttempts, StopsWhenTheFirstAttemptHasAll) {
   EXPECT_TRUE(result.attempts[0].kept);
   EXPECT_THAT(FilesIn(dir.path()), ElementsAre("colmap.log", "database.db", "sparse"));
   EXPECT_EQ(ReadColmapImages(dir / "sparse" / "0").size(), 3u);
+}
+
+TEST(RunAttempts, RepeatsOnlyWhatCrashed) {
+  const TempDir dir;
+  {
+    const FakeMapper fake("case $n in 2) kill -SEGV $$;; *) exit 1;; esac", "");
+    EXPECT_THAT(MessageOf<RunError>([&] {
+                  RunAttempts({kNames, false, dir.path()}, Silent());
+                }),
+                AllOf(HasSubstr("colmap mapper crashed (signal 11)"), HasSubstr("run the same command again")));
+  }
+  const FakeMapper fake("give three /0", "");
+  EXPECT_EQ(RunAttempts({kNames, false, dir.path()}, Silent()).best.registered(), 3);
+  EXPECT_THAT(fake.Commands(), ElementsAre("mapper")) << "the others are finished";
+}
+
+TEST(RunAttempts, PassesOverACrashWhereAModelIsFound) {
+  const TempDir dir;
+  const FakeMapper fake("case $n in 1) kill -SEGV $$;; *) give three /0;; esac", "");
+  EXPECT_EQ(RunAttempts({kNames, false, dir.path()}, Silent()).best.registered(), 3);
 }
 
 TEST(RunAttempts, DiscardsAnUnsoundModel) {

@@ -75,7 +75,7 @@ TEST(IsEnough, RequiresAllOfFewAndHalfOfMany) {
 
 TEST(IsWorthTrying, SavesExpensiveSetsForFewImages) {
   const auto& schedule = RegistrationSchedule();
-  const MatchEvidence linked{3, false};
+  const MatchEvidence linked{3, false, 3};
   for (size_t i = 1; i < schedule.size(); ++i) {
     EXPECT_FALSE(IsWorthTrying(schedule[i], SoundOf(3), 3, linked)) << "all are registered";
     EXPECT_TRUE(IsWorthTrying(schedule[i], SoundOf(2), 3, linked)) << i;
@@ -91,6 +91,23 @@ TEST(IsWorthTrying, AsksTheMatches) {
   EXPECT_TRUE(IsWorthTrying(schedule[1], SoundOf(2), 3, {0, false})) << "coarse features may link what is missing";
   EXPECT_FALSE(IsWorthTrying(schedule[2], SoundOf(2), 3, {0, false})) << "nothing does";
   EXPECT_FALSE(IsWorthTrying(schedule[1], {}, 3, {3, true})) << "no features give parallax";
+}
+
+TEST(IsWorthTrying, StopsWherePhotosAreLinkedInPairsAlone) {
+  const FeatureSet& costly = RegistrationSchedule()[2];
+  const ImageLinks pairs{{"0", "1"}, {"2", "3"}, {"4", "5"}};
+  for (const ModelQuality& best : {ModelQuality(), SoundOf(2)}) {
+    const MatchEvidence evidence = EvidenceOf(pairs, best, false);
+    EXPECT_EQ(evidence.group, 2);
+    EXPECT_EQ(evidence.links, best.registered() == 0 ? 3 : 2);
+    EXPECT_FALSE(IsWorthTrying(costly, best, 12, evidence));
+  }
+  ImageLinks chain = pairs;
+  chain.insert({"1", "2"});
+  EXPECT_EQ(EvidenceOf(chain, SoundOf(2), false).group, 4);
+  EXPECT_TRUE(IsWorthTrying(costly, SoundOf(2), 12, EvidenceOf(chain, SoundOf(2), false)));
+  EXPECT_TRUE(IsWorthTrying(costly, {}, 3, EvidenceOf({{"0", "1"}}, {}, false))) << "of three every link counts";
+  EXPECT_FALSE(IsWorthTrying(costly, SoundOf(2), 12, EvidenceOf({{"0", "1"}}, SoundOf(2), false)));
 }
 
 TEST(CanMatchMissing, RequiresFeaturesInAMissingImage) {

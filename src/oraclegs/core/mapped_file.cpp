@@ -10,14 +10,22 @@
 #include <string>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
 
 namespace oraclegs {
 namespace {
+
+constexpr size_t kMostToRead = size_t{64} << 20;  // bytes: takes a tenth of a second
 
 struct Closer {
   int fd;
   ~Closer() { close(fd); }
 };
+
+MappedFile OwnBytes(const std::filesystem::path& path) {
+  const auto bytes = std::make_shared<const std::string>(ReadFile(path, kMostToRead));
+  return {*bytes, bytes};
+}
 
 }  // namespace
 
@@ -31,6 +39,7 @@ MappedFile MapFile(const std::filesystem::path& path) {
   if (!S_ISREG(info.st_mode)) throw InputError("{}: is not a regular file", name);
   const size_t size = static_cast<size_t>(info.st_size);
   if (size == 0) throw InputError("{}: is empty; get the file again", name);
+  if (size <= kMostToRead) return OwnBytes(path);  // whoever cuts the file meanwhile cannot end us by SIGBUS
   void* address = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd, 0);
   if (address == MAP_FAILED) throw InputError("{}: cannot map into memory: {}", name, std::strerror(errno));
   MappedFile file;

@@ -1,5 +1,6 @@
 #pragma once
-// A file in memory without reading it: pages come when they are looked at.
+// A file in memory: up to 64 MiB it is read; of a larger one, such as the weights of a network, pages come when they
+// are looked at, and a program that shortens it meanwhile ends this one by SIGBUS.
 
 #include <filesystem>
 #include <memory>
@@ -9,10 +10,11 @@ namespace oraclegs {
 
 struct MappedFile {
   std::string_view bytes;             ///< valid as long as `owner` lives
-  std::shared_ptr<const void> owner;  ///< of the mapping, which nobody writes to
+  std::shared_ptr<const void> owner;  ///< of the memory, which nobody writes to
 };
 
-/// Throws InputError naming `path` when it cannot be opened, is not a regular file, is empty or cannot be mapped.
+/// Throws InputError naming `path` when it cannot be opened or read, is not a regular file, is empty or cannot be
+/// mapped.
 MappedFile MapFile(const std::filesystem::path& path);
 
 }  // namespace oraclegs

@@ -1,10 +1,12 @@
 #include "oraclegs/scene/view_list.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <unordered_map>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
@@ -16,12 +18,26 @@ namespace {
 
 constexpr uint64_t kMaxListBytes = 1 << 20;
 
+constexpr size_t kWays = 4;
+
 /// The ways to call a view, most exact first.
-std::vector<std::string> NamesOf(const std::string& name) {
+std::array<std::string, kWays> NamesOf(const std::string& name) {
   const std::filesystem::path path(name);
   std::filesystem::path without_extension = path;
   without_extension.replace_extension();
   return {name, path.filename().string(), without_extension.string(), path.stem().string()};
+}
+
+/// For each of the ways the views that are called so: lists and scenes may both be long.
+using ViewsByName = std::array<std::unordered_map<std::string, std::vector<int>>, kWays>;
+
+ViewsByName IndexNames(const Scene& scene) {
+  ViewsByName views;
+  for (const int i : AllViews(scene)) {
+    const auto names = NamesOf(scene.views[static_cast<size_t>(i)].name);
+    for (size_t way = 0; way < kWays; ++way) views[way][names[way]].push_back(i);
+  }
+  return views;
 }
 
 /// The number of ":7"; nothing when the item is no position.
@@ -34,23 +50,18 @@ std::optional<size_t> PositionOf(const std::string& item) {
   return position;
 }
 
-int FindView(const Scene& scene, const std::string& option, const std::string& wanted) {
+int FindView(const Scene& scene, const ViewsByName& views, const std::string& option, const std::string& wanted) {
   if (const auto position = PositionOf(wanted)) {
     if (*position < scene.views.size()) return static_cast<int>(*position);
     throw InputError("{}: {} asks for view {}, but the {} views are :0 to :{}", scene.root.string(), option, wanted,
                      scene.views.size(), static_cast<int64_t>(scene.views.size()) - 1);
   }
-  const size_t ways = NamesOf("").size();
-  for (size_t way = 0; way < ways; ++way) {
-    std::vector<int> found;
-    for (const int i : AllViews(scene)) {
-      if (NamesOf(scene.views[static_cast<size_t>(i)].name)[way] == wanted) found.push_back(i);
-    }
-    if (found.size() == 1) return found.front();
-    if (found.size() > 1) {
-      throw InputError("{}: '{}' in {} could be any of {}; give its full name", scene.root.string(), wanted, option,
-                       SomeNames(NamesAt(scene, found)));
-    }
+  for (const auto& by_name : views) {
+    const auto found = by_name.find(wanted);
+    if (found == by_name.end()) continue;
+    if (found->second.size() == 1) return found->second.front();
+    throw InputError("{}: '{}' in {} could be any of {}; give its full name", scene.root.string(), wanted, option,
+                     SomeNames(NamesAt(scene, found->second)));
   }
   const auto missing = std::find_if(scene.missing_images.begin(), scene.missing_images.end(), [&](const auto& name) {
     const auto names = NamesOf(name);
@@ -76,8 +87,9 @@ std::vector<std::string> NamesInJson(const std::string& text, const std::string&
 }  // namespace
 
 std::vector<int> NamedViews(const Scene& scene, const std::string& option, const std::string& list) {
+  const ViewsByName views = IndexNames(scene);
   std::vector<int> named;
-  for (const std::string& item : SplitTrimmed(list, ',')) named.push_back(FindView(scene, option, item));
+  for (const std::string& item : SplitTrimmed(list, ',')) named.push_back(FindView(scene, views, option, item));
   std::sort(named.begin(), named.end());
   named.erase(std::unique(named.begin(), named.end()), named.end());
   return named;

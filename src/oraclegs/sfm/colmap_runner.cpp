@@ -97,8 +97,8 @@ bool IsOutOfMemory(const std::string& output) {
 }  // namespace
 
 std::string ColmapFailure::Text() const {
-  const std::string how = exit_code > 128 ? fmt::format("crashed (signal {})", exit_code - 128)
-                                          : fmt::format("ended with code {}", exit_code);
+  const std::string how =
+      IsCrash() ? fmt::format("crashed (signal {})", exit_code - 128) : fmt::format("ended with code {}", exit_code);
   return fmt::format("colmap {} {}{}", command, how, last_line.empty() ? "" : ": " + Printable(last_line));
 }
 

@@ -21,6 +21,8 @@ struct ColmapFailure {
   int exit_code = 0;
   std::string last_line;  ///< of its output
 
+  /// True when a signal ended the command.
+  bool IsCrash() const { return exit_code > 128; }
   /// "colmap mapper ended with code 1: no good initial image pair found".
   std::string Text() const;
 };

@@ -72,6 +72,12 @@ class AttemptRunner {
     } catch (const ColmapFailure&) {
       // The model that was found before is kept.
     }
+    if (!IsSound(best_.quality) && !crash_.empty()) {
+      throw RunError(
+          "{}; run the same command again, which repeats only what crashed; if that does not help, install another "
+          "version of colmap; see {}",
+          crash_, (request_.work_dir / "colmap.log").string());
+    }
     Keep();
     return {best_.quality, std::move(journal_.records)};
   }
@@ -118,18 +124,27 @@ class AttemptRunner {
     WriteAttemptJournal(journal_, folder_);
   }
 
+  /// A crash says nothing of the photos: what was begun is no finished step, and the next call makes it again.
+  void NoteCrash(const ColmapFailure& failure) {
+    if (!failure.IsCrash()) return;
+    ++crashes_;
+    crash_ = failure.Text();
+  }
+
   void TrySet(const FeatureSet& set, size_t number) {
     if (IsDone(set.name)) {
       Gather(Colmap(number).database());
       return;
     }
     if (number > 0) listener_(Note{fmt::format("{}; trying again with {}", Registered(), set.name)});
+    const int crashes = crashes_;
     try {
       Try(set, Colmap(number), number == 0);
-    } catch (const ColmapFailure&) {
+    } catch (const ColmapFailure& failure) {
       if (number == 0) throw;  // later sets are optional
+      NoteCrash(failure);
     }
-    MarkStep(set.name);
+    if (crashes_ == crashes) MarkStep(set.name);
   }
 
   /// The first set is matched in any case: its matches say why images are missing.
@@ -150,8 +165,9 @@ class AttemptRunner {
       if (IsEnough(best_.quality, images()) || !has_pairs_) break;
       const std::string step = set.name + ", " + attempt.name;
       if (IsDone(step)) continue;
+      const int crashes = crashes_;
       Map(set, attempt, colmap);
-      MarkStep(step);
+      if (crashes_ == crashes) MarkStep(step);
     }
     RegisterRemaining(set, colmap);
   }
@@ -169,15 +185,7 @@ class AttemptRunner {
     one_place_ = AreFromOnePoint(pairs);
   }
 
-  MatchEvidence Evidence() const {
-    const auto is_missing = [&](const std::string& name) {
-      return !IsSound(best_.quality) || best_.quality.images.count(name) == 0;
-    };
-    const auto links = std::count_if(links_.begin(), links_.end(), [&](const auto& link) {
-      return is_missing(link.first) || is_missing(link.second);
-    });
-    return {static_cast<int>(links), one_place_};
-  }
+  MatchEvidence Evidence() const { return EvidenceOf(links_, best_.quality, one_place_); }
 
   /// False when what is missing has too few features for any matching.
   bool CanMatch(const ColmapRunner& colmap) const {
@@ -242,8 +250,8 @@ class AttemptRunner {
       } else {
         colmap.Run("mapper", options, "registering, " + attempt.name);
       }
-    } catch (const ColmapFailure&) {
-      // It also ends with an error when it finds no pair to start from.
+    } catch (const ColmapFailure& failure) {
+      NoteCrash(failure);  // else it ended with an error, as when it finds no pair to start from
     }
     for (int i = 0; IsColmapModel(models / std::to_string(i)); ++i) {
       const fs::path model = models / std::to_string(i);
@@ -289,7 +297,7 @@ class AttemptRunner {
   void Rematch() {
     if (IsEnough(best_.quality, images()) || !IsSound(best_.quality)) return;
     const ColmapRunner colmap = Colmap(best_.database.stem().string());
-    if (!CanMatch(colmap) || Evidence().links == 0) return;
+    if (!CanMatch(colmap) || !LinksMakeAModel(Evidence(), images())) return;
     const auto pairs = PairsOfMissing(request_.names, best_.quality);
     if (pairs.empty()) return;
     const ColmapRunner rematched = Colmap(best_.database.stem().string() + "_rematched");
@@ -325,9 +333,11 @@ class AttemptRunner {
   const fs::path folder_;
   fs::path first_database_;
   Candidate best_;
+  int crashes_ = 0;
+  std::string crash_;  ///< the last one
   AttemptJournal journal_;
-  std::set<std::pair<std::string, std::string>> links_;  ///< of any set, by names
-  bool has_pairs_ = false, one_place_ = false;           ///< by the set that was tried last
+  ImageLinks links_;                            ///< of any set
+  bool has_pairs_ = false, one_place_ = false;  ///< by the set that was tried last
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 namespace oraclegs {
 namespace {
 
+constexpr int kMinGroup = 3;  // photos that are linked in pairs alone show as many places: no features join them
 constexpr double kWideAngleFocal = .75;  // 27 mm on 36 mm: the main camera of most phones
 
 ColmapOptions Joined(ColmapOptions options, const ColmapOptions& more) {
@@ -111,9 +112,45 @@ bool IsEnough(const ModelQuality& best, int images) {
   return best.registered() >= images || (images > kMaxImagesForRetries && 2 * best.registered() >= images);
 }
 
+MatchEvidence EvidenceOf(const ImageLinks& links, const ModelQuality& best, bool one_place) {
+  const auto is_registered = [&](const std::string& name) { return IsSound(best) && best.images.count(name) > 0; };
+  MatchEvidence evidence{0, one_place, 0};
+  std::map<std::string, std::string> parents;  // of images in one group; a root is its own
+  const auto root = [&](std::string name) {
+    while (parents.at(name) != name) name = parents.at(name);
+    return name;
+  };
+  const auto join = [&](const std::string& a, const std::string& b) {
+    parents.emplace(a, a);
+    parents.emplace(b, b);
+    parents[root(a)] = root(b);
+  };
+  if (IsSound(best)) {
+    for (const auto& [name, image] : best.images) join(name, best.images.begin()->first);
+  }
+  for (const auto& [a, b] : links) {
+    join(a, b);
+    if (!is_registered(a) || !is_registered(b)) ++evidence.links;
+  }
+  std::map<std::string, std::pair<int, bool>> groups;  // images, and whether one is missing
+  for (const auto& [name, parent] : parents) {
+    auto& [size, lacks] = groups[root(name)];
+    ++size;
+    lacks |= !is_registered(name);
+  }
+  for (const auto& [name, group] : groups) {
+    if (group.second) evidence.group = std::max(evidence.group, group.first);
+  }
+  return evidence;
+}
+
+bool LinksMakeAModel(const MatchEvidence& evidence, int images) {
+  return evidence.links > 0 && evidence.group >= std::min(images - 1, kMinGroup);
+}
+
 bool IsWorthTrying(const FeatureSet& set, const ModelQuality& best, int images, const MatchEvidence& evidence) {
   if (IsEnough(best, images) || images > set.max_images || evidence.one_place) return false;
-  return !set.needs_link || evidence.links > 0;
+  return !set.needs_link || LinksMakeAModel(evidence, images);
 }
 
 bool CanMatchMissing(const std::map<std::string, int>& feature_counts, const ModelQuality& best) {

@@ -3,6 +3,7 @@
 // alone: nothing here runs colmap.
 
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,14 +26,20 @@ struct FeatureSet {
   ColmapOptions extraction, matching;
   std::vector<MapperAttempt> attempts;
   int max_images = 0;       ///< too slow for more images than this
-  bool needs_link = false;  ///< of no use for images that are linked to no other
+  bool needs_link = false;  ///< of no use where no links make a model (LinksMakeAModel)
 };
 
 /// Signs in the matches so far that images which are not registered can be.
 struct MatchEvidence {
   int links = 0;           ///< of such an image to another (pair_evidence.h)
   bool one_place = false;  ///< all links, of any images, are pure rotations of the camera
+  int group = 0;           ///< images of the largest group with such an image, joined by links or by the best model
 };
+
+using ImageLinks = std::set<std::pair<std::string, std::string>>;  ///< by names
+
+/// The evidence of links about the images that `best` lacks.
+MatchEvidence EvidenceOf(const ImageLinks& links, const ModelQuality& best, bool one_place);
 
 inline constexpr int kMaxImagesForRetries = 24;  ///< up to here every image is worth another attempt
 inline constexpr int kMinFeaturesToMatch = 30;   ///< an image with fewer cannot be matched in any attempt
@@ -53,6 +60,9 @@ const ColmapOptions& RematchOptions();
 /// True when no further mapper run is called for: a sound model has all images or, of more than
 /// kMaxImagesForRetries, half of them.
 bool IsEnough(const ModelQuality& best, int images);
+
+/// True when links join more than two images, one of them missing; of three images, two.
+bool LinksMakeAModel(const MatchEvidence& evidence, int images);
 
 /// True when `set` is to be tried after `best` was found without it, by matches that show `evidence`.
 bool IsWorthTrying(const FeatureSet& set, const ModelQuality& best, int images, const MatchEvidence& evidence);
