@@ -57,7 +57,7 @@ REFERENCE = re.compile(r"\[([A-Z][\w\-']+(?: et al\.)? (?:19|20)\d\d[a-z]?)\]")
 HISTORY = re.compile(r"\bissue #?\d+\b|(?<![\w/.#&])#\d{1,3}\b|\bcommit [0-9a-f]{7,40}\b|\b(?=[0-9a-f]*\d)(?=[0-9a-f]*[a-f])[0-9a-f]{7}\b")
 
 # A doc comment begins with its subject; so does each of its sentences.
-HEADLESS = re.compile(r"(?:^\s*///(?!<) |///<? [^`]*?[.!?] )((?:Of|What|The same|Both|Likewise|That which)\b)|///< ((?i:of|what|the same|both|likewise|that which)\b)")
+HEADLESS = re.compile(r"(?:^\s*/// |///< |/// [^`]*?[.!?] )((?:Of|What|The same|Both|Likewise|That which)\b)")
 # Code, comments, messages and pages are in American spelling.
 BRITISH = re.compile(
     r"colour|grey(?!hound)|neighbour|licence|centre|centring|learnt|misspelt|behaviour|favour|honour|labelled(?!by)|modelled|artefact|catalogue|"
@@ -238,7 +238,7 @@ class House:
         for number, line in enumerate(lines, 1):
             match = HEADLESS.search(line)
             if match:
-                self.refuse(name, number, f'"{match.group(1) or match.group(2)} ...": begin the sentence with its subject')
+                self.refuse(name, number, f'"{match.group(1)} ...": begin the sentence with its subject')
 
     def check_history(self, name, lines):
         for number, line in enumerate(lines, 1):

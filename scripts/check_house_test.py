@@ -60,8 +60,8 @@ class CheckHouseTest(unittest.TestCase):
 
     def test_headless_doc_comment(self):
         self.assert_refused(
-            {"src/oraclegs/core/a.h": "/// Of a view.\nint a;  ///< the same of pixels\n/// A view. What is left is cut.\n"},
-            "src/oraclegs/core/a.h:1: \"Of", "src/oraclegs/core/a.h:2: \"the same", "src/oraclegs/core/a.h:3: \"What")  # fmt: skip
+            {"src/oraclegs/core/a.h": "/// Of a view.\nint a;  ///< The same of pixels\n/// A view. What is left is cut.\n"},
+            "src/oraclegs/core/a.h:1: \"Of", "src/oraclegs/core/a.h:2: \"The same", "src/oraclegs/core/a.h:3: \"What")  # fmt: skip
         self.assert_accepted({"src/oraclegs/core/a.h": "/// Pixels\n/// of a view, what is left.\n// What follows is code.\n"})
 
     def test_good_tree_passes(self):

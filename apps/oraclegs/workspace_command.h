@@ -24,7 +24,7 @@ struct LiveViewOptions {
   }
 };
 
-/// What a command offers beside filling the workspace.
+/// Extras that a command offers beside filling the workspace.
 struct WorkspaceOffers {
   bool view = false;  ///< --view: to show the run
 };

@@ -12,8 +12,8 @@ enum class Verbosity {
   kVerbose,  ///< also what helps to find a fault
 };
 
-/// The one logger, at kNormal until SetVerbosity is called. A line reads "info: text"; colored on a terminal. What
-/// steers a terminal, or ends the line, becomes '?'.
+/// The one logger, at kNormal until SetVerbosity is called. A line reads "info: text"; colored on a terminal.
+/// Characters that steer a terminal, or end the line, become '?'.
 spdlog::logger& Log();
 
 void SetVerbosity(Verbosity verbosity);

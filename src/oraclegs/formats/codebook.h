@@ -21,7 +21,7 @@ struct Palette {
 };
 
 /// At most `size` (1..65536) vectors that stand for all rows of `vectors` [N, D], by k-means in two levels; rows of
-/// more weight are met better. The same for any number of threads.
+/// more weight are met better. The result does not depend on the number of threads.
 Palette MakePalette(const Buffer<float>& vectors, const std::vector<float>& weights, int size);
 
 }  // namespace oraclegs

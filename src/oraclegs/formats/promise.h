@@ -9,7 +9,7 @@
 
 namespace oraclegs {
 
-/// Largest errors of a format, and the ranges to which it cuts. What is seen of an error goes by the larger of two
+/// Largest errors of a format, and the ranges to which it cuts. The visible error goes by the larger of two
 /// numbers, the Gaussian's largest standard deviation and the median Gaussian's middle one: a size may be off by a
 /// quarter of it besides, and a position by a thousandth of its distance from the middle of the scene.
 struct SplatPromise {

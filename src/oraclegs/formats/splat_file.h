@@ -22,12 +22,12 @@ const char* ExtensionOf(SplatFormat format);
 bool IsSplatFolder(const std::filesystem::path& path);
 
 /// Reads any of these; a PLY of either kind under both of their names, and a folder of SOG, named itself or by its
-/// meta.json. What was left out or assumed becomes a Warning each. Throws InputError naming the file, UsageError for a
+/// meta.json. Everything left out or assumed becomes a Warning. Throws InputError naming the file, UsageError for a
 /// name as above.
 GaussianPly ReadSplat(const std::filesystem::path& path, const Listener& listener = Silent());
 
 /// Writes atomically, of the splat's degree (.splat: 0). Comments, support and the mark of antialiased training are
-/// kept where the format can hold them. What is written was read back and lies within the errors of the format
+/// kept where the format can hold them. The file was read back and lies within the errors of the format
 /// (promise.h): up to one Gaussian in a thousand that does not is left out with a Warning, more are refused. Returns
 /// how many Gaussians it has. Throws InputError, RunError, UsageError.
 int64_t WriteSplat(const std::filesystem::path& path, const GaussianPly& splat, const Listener& listener = Silent());

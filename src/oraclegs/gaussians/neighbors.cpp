@@ -17,7 +17,7 @@ constexpr int kTopLevels = 6;  // split one after the other; the 64 subtrees bel
 
 }  // namespace
 
-/// One query, and how far it lies outside the visited node's cell on each axis. What is found is the derived search's.
+/// One query, and how far it lies outside the visited node's cell on each axis. Results are kept by the derived search.
 struct KdTree::Search {
   Eigen::Vector3d query;
   int64_t self;  ///< place in items_ of the query itself, -1 where it is none of them
@@ -40,7 +40,7 @@ struct KdTree::MeanSearch : Search {
   }
 };
 
-/// The same, and which points they are.
+/// A search that also keeps which points the three nearest are.
 struct KdTree::ThreeSearch : Search {
   std::array<NearPoint, 3> nearest;
 

@@ -13,7 +13,7 @@ namespace oraclegs {
 /// The Gaussians of these indices, in this order, in new memory on the host.
 Gaussians Picked(const Gaussians& gaussians, const std::vector<int64_t>& indices);
 
-/// The same for any array on the host.
+/// The rows of those indices, in their order, of any array on the host.
 template <class T>
 Buffer<T> PickedRows(const Buffer<T>& all, const std::vector<int64_t>& indices) {
   constexpr int64_t kGrain = 4096;  // rows
@@ -30,7 +30,7 @@ Buffer<T> PickedRows(const Buffer<T>& all, const std::vector<int64_t>& indices) 
 std::vector<float> Picked(const std::vector<float>& support, const std::vector<int64_t>& indices);
 
 /// Those `most` of these Gaussians that cover and hide most (opacity times the area of the broadest side), in the order
-/// given; all where there are no more. Of equals the first. The Gaussians are on the host.
+/// given; all where there are no more. Among equals the first is taken. The Gaussians are on the host.
 std::vector<int64_t> MostPresent(const Gaussians& gaussians, std::vector<int64_t> indices, int64_t most);
 
 }  // namespace oraclegs

@@ -60,7 +60,7 @@ std::vector<DepthMap> ReadBack(const Run& run, const std::vector<LoadedView>& vi
   return ReadDepthMaps(run.workspace.depth(), names, cameras, WrittenFromRun(run.frame).scale);
 }
 
-/// The maps that were written, fused. What a later run will read, so that a continued run has the same bits as one that
+/// Reads the written maps and fuses them, as a later run will, so that a continued run has the same bits as one that
 /// was never stopped.
 Geometry ReadGeometry(const Run& run, const std::vector<LoadedView>& views) {
   Geometry geometry;

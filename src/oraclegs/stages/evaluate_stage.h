@@ -22,8 +22,8 @@ struct Model {
 
 /// Reads a PLY of any trainer into the run's coordinates, to be rendered on the background, antialiased where `options`
 /// or the file say so, and on `device`. The file is in the coordinates that models of `frame` are written in, but for
-/// the offset that its header names; one whose unit is known and another, as of an export in meters, is scaled. What
-/// the reader left out or assumed is a Warning each.
+/// the offset that its header names; one whose unit is known and another, as of an export in meters, is scaled.
+/// Everything that the reader left out or assumed is a Warning.
 Model LoadModel(const std::filesystem::path& ply, const RunOptions& options, Device device,
                 const SceneFrame& frame = {}, const Listener& listener = Silent());
 

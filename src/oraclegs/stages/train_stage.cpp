@@ -219,7 +219,7 @@ ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) 
   return ready;
 }
 
-/// Empty, after a warning, where memory does not suffice. What was trained is not lost when the user stops it here.
+/// Empty, after a warning, where memory does not suffice. The trained model is not lost when the user stops it here.
 std::vector<float> SupportOfModel(const Run& run, const ReadyTrainer& ready) {
   const Trainer& trainer = *ready.trainer;
   RenderOptions render;

@@ -35,7 +35,7 @@ struct HttpEnd {
   std::string dropped;  ///< why the connection ended before the body did; empty = the body is whole
 };
 
-/// Follows up to ten redirections, never from https to http. What a handler throws comes out of here. Throws RunError
+/// Follows up to ten redirections, never from https to http. Exceptions of handlers come out of here. Throws RunError
 /// when no server answers or a redirection leads nowhere, Interrupted (core/interrupt.h). Messages show addresses
 /// WithoutSecrets.
 HttpEnd HttpGet(const HttpRequest& request, const HttpHandlers& handlers);

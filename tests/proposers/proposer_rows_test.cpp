@@ -1,0 +1,23 @@
+#include "oraclegs/proposers/proposer_rows.h"
+
+#include <gmock/gmock.h>
+
+namespace oraclegs {
+namespace {
+
+TEST(ProposerRows, HaveWordsOfTheirOwnAndOneThatStandsIn) {
+  std::vector<std::string> words;
+  int stand_ins = 0;
+  for (const ProposerRow& row : ProposerRows()) {
+    words.push_back(row.word);
+    EXPECT_TRUE(row.wanted && row.make && row.undo) << row.word;
+    EXPECT_TRUE(row.can_hold_out || row.sees_anything) << row.word;
+    stand_ins += row.stands_in ? 1 : 0;
+    if (row.stands_in) EXPECT_TRUE(row.can_hold_out) << row.word;
+  }
+  EXPECT_THAT(words, testing::ElementsAre("warp", "splat", "seva", "command"));
+  EXPECT_EQ(stand_ins, 1);
+}
+
+}  // namespace
+}  // namespace oraclegs
