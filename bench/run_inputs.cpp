@@ -3,9 +3,9 @@
 #include "bench/parser_inputs.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/unique_json.h"
-#include "oraclegs/pipeline/live/curves.h"
-#include "oraclegs/pipeline/workspace/stage_records.h"
+#include "oraclegs/output/live/curves.h"
 #include "oraclegs/train/checkpoint.h"
+#include "oraclegs/workspace/stage_records.h"
 
 namespace oraclegs {
 

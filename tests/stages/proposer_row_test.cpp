@@ -14,10 +14,9 @@ class ProposerRowTest : public ProposingTest {
   /// Sources of the candidates at the first training view: as a new pose, and held out.
   static std::vector<std::string> Sources(oraclegs::Run* run, std::optional<int> held_out) {
     run->results->proposers = nullptr;
+    const auto candidates = ProposersOf(run).Ask({{"view", ViewsOf(run).views[0].camera}}, {held_out});
     std::vector<std::string> sources;
-    for (const Proposal& p : ProposersOf(run).Ask({{"view", ViewsOf(run).views[0].camera}}, {held_out})[0]) {
-      sources.push_back(p.source);
-    }
+    for (const Proposal& p : candidates[0]) sources.push_back(p.source);
     return sources;
   }
 };

@@ -52,8 +52,7 @@ nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_reco
   metrics["stages"]["evaluate"]["seconds"] = evaluate_record.at("seconds");
   for (const Stage& stage : *run.stages) {
     const nlohmann::json record = run.workspace.Record(stage.name);
-    if (!record.is_object()) continue;  // the report, later
-    metrics["stages"][stage.name]["seconds"] = record.value("seconds", 0.0);
+    if (record.is_object()) metrics["stages"][stage.name]["seconds"] = record.value("seconds", 0.0);
     if (record.contains("cpu_seconds")) metrics["stages"][stage.name]["cpu_seconds"] = record.at("cpu_seconds");
     if (stage.name == "evaluate") break;  // the report tells of an earlier result
   }
