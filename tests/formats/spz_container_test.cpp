@@ -1,8 +1,7 @@
 #include "oraclegs/formats/spz_container.h"
 
-#include <zstd.h>
-
 #include "formats/splats.h"
+#include "formats/spz_version4.h"
 #include "oraclegs/formats/gzip.h"
 #include "oraclegs/formats/spz.h"
 
@@ -11,42 +10,9 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string Bare(const std::string& spz) { return Gunzip(spz, "x").Next(1 << 30); }
-
-template <class T>
-void Put(T value, std::string* to) {
-  to->append(reinterpret_cast<const char*>(&value), sizeof(T));
-}
-
-/// A file of version 4 with the attributes of one of version 3.
-std::string OfVersion4(const std::string& spz, const std::string& extensions = "") {
-  const std::string bare = Bare(spz);
-  const auto n = LoadLittle<uint32_t>(bare, 8);
-  const int degree = bare[12];
-  const SpzLayout at(n, degree, 3);
-  std::vector<uint64_t> ends = {at.alphas, at.colors, at.scales, at.rotations, at.sh};
-  if (degree > 0) ends.push_back(at.end);
-  std::string file = bare.substr(0, 15), table, streams;
-  file[4] = 4;
-  file[14] = static_cast<char>(file[14] | (extensions.empty() ? 0 : 2));
-  file.push_back(static_cast<char>(ends.size()));
-  Put(static_cast<uint32_t>(32 + extensions.size()), &file);
-  file += std::string(12, '\0') + extensions;
-  uint64_t from = 0;
-  for (const uint64_t end : ends) {
-    std::string packed(ZSTD_compressBound(end - from), '\0');
-    packed.resize(ZSTD_compress(packed.data(), packed.size(), bare.data() + kSpzHeader + from, end - from, 3));
-    Put(uint64_t{packed.size()}, &table);
-    Put(end - from, &table);
-    streams += packed;
-    from = end;
-  }
-  return file + table + streams;
-}
-
 /// The same Gaussians with 24 more bytes of harmonics each, which make degree 3 four.
 std::string WithAFourthDegree(const std::string& spz) {
-  const std::string bare = Bare(spz);
+  const std::string bare = BareSpz(spz);
   const auto n = LoadLittle<uint32_t>(bare, 8);
   const SpzLayout at(n, 3, 3);
   std::string file = bare.substr(0, kSpzHeader + at.sh);
@@ -65,18 +31,18 @@ TEST(UnpackSpz, ReadsZstdAndWhatIsNotPacked) {
   for (const int degree : {0, 2, 3}) {
     const std::string spz = EncodeSpz(PlausibleGaussians(70), degree, SpzVersion::k3, true);
     const GaussianPly expected = DecodeSpz(spz, "x");
-    ExpectSameSplat(DecodeSpz(OfVersion4(spz), "x"), expected);
-    ExpectSameSplat(DecodeSpz(Bare(spz), "x"), expected);
-    EXPECT_TRUE(DecodeSpz(OfVersion4(spz), "x").antialiased);
-    EXPECT_TRUE(DecodeSpz(OfVersion4(spz), "x").warnings.empty());
+    ExpectSameSplat(DecodeSpz(SpzOfVersion4(spz), "x"), expected);
+    ExpectSameSplat(DecodeSpz(BareSpz(spz), "x"), expected);
+    EXPECT_TRUE(DecodeSpz(SpzOfVersion4(spz), "x").antialiased);
+    EXPECT_TRUE(DecodeSpz(SpzOfVersion4(spz), "x").warnings.empty());
   }
 }
 
 TEST(UnpackSpz, ReadsHalvesOfVersion1) {
   std::string file;
-  for (const uint32_t number : {kSpzMagic, 1u, 1u}) Put(number, &file);
+  for (const uint32_t number : {kSpzMagic, 1u, 1u}) PutNumber(number, &file);
   file += std::string(4, '\0');
-  for (const int half : {0x3c00, 0xc500, 0x0001}) Put(static_cast<uint16_t>(half), &file);  // 1, -5, 2^-24
+  for (const int half : {0x3c00, 0xc500, 0x0001}) PutNumber(static_cast<uint16_t>(half), &file);  // 1, -5, 2^-24
   file += std::string(1 + 3 + 3, '\x80') + std::string(3, '\x80');
   const GaussianPly read = DecodeSpz(file, "x");
   EXPECT_EQ(read.gaussians.means[0], 1);
@@ -94,13 +60,13 @@ TEST(UnpackSpz, LeavesOutAFourthDegreeAndSaysSo) {
 
 TEST(UnpackSpz, SaysThatExtensionsArePassedOver) {
   const std::string spz = EncodeSpz(PlausibleGaussians(7), 1);
-  const GaussianPly read = DecodeSpz(OfVersion4(spz, std::string(20, 'e')), "x");
+  const GaussianPly read = DecodeSpz(SpzOfVersion4(spz, std::string(20, 'e')), "x");
   ExpectSameSplat(read, DecodeSpz(spz, "x"));
   EXPECT_THAT(read.warnings, testing::ElementsAre(HasSubstr("extensions")));
 }
 
 TEST(UnpackSpz, RefusesDamagedStreams) {
-  const std::string good = OfVersion4(EncodeSpz(PlausibleGaussians(9), 2));
+  const std::string good = SpzOfVersion4(EncodeSpz(PlausibleGaussians(9), 2));
   const auto with = [&](size_t at, char value) {
     std::string bytes = good;
     bytes[at] = value;

@@ -33,6 +33,7 @@ using ViewsByName = std::array<std::unordered_map<std::string, std::vector<int>>
 
 ViewsByName IndexNames(const Scene& scene) {
   ViewsByName views;
+  for (auto& by_name : views) by_name.reserve(scene.views.size());
   for (const int i : AllViews(scene)) {
     const auto names = NamesOf(scene.views[static_cast<size_t>(i)].name);
     for (size_t way = 0; way < kWays; ++way) views[way][names[way]].push_back(i);
