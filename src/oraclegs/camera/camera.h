@@ -22,7 +22,7 @@ struct Camera {
   void Check(const std::string& name) const;
 };
 
-/// The same view on an image of another size: intrinsics scale per axis.
+/// A view on an image of another size, in pixels: intrinsics scale per axis.
 Camera Resized(const Camera& camera, int width, int height);
 
 }  // namespace oraclegs

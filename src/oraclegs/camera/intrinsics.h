@@ -28,7 +28,7 @@ std::optional<CameraModel> CameraModelFromId(int id);
 std::string_view CameraModelName(CameraModel model);
 int CameraModelParameterCount(CameraModel model);
 
-/// What a camera does to rays, as COLMAP stores it. distortion_models.h projects with it.
+/// The map of a camera from rays to pixels, as COLMAP stores it. distortion_models.h projects with it.
 struct Intrinsics {
   CameraModel model = CameraModel::kPinhole;
   int width = 0, height = 0;   ///< pixels
@@ -44,8 +44,8 @@ struct Intrinsics {
   void Check(const std::string& name) const;
 };
 
-/// The same camera on an image of another size. The axes may scale differently, so a model of one focal length becomes
-/// the one of two that takes the same coefficients.
+/// A camera on an image of another size, in pixels. The axes may scale differently, so a model of one focal length
+/// becomes the one of two that takes the same coefficients.
 Intrinsics Resized(const Intrinsics& intrinsics, int width, int height);
 
 }  // namespace oraclegs

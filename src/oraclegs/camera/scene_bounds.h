@@ -17,8 +17,9 @@ struct Ball {
 /// docs/method.md#scene-extent); 0 without cameras.
 double SpatialExtent(const std::vector<Camera>& cameras);
 
-/// What the cameras look at: around the point nearest to all optical axes, as far as the median camera is from it, or,
-/// when the axes are parallel or meet behind the cameras, ahead of the mean camera. At least one camera.
+/// The ball that the cameras look at, scene units: around the point nearest to all optical axes, as far as the median
+/// camera is from it, or, when the axes are parallel or meet behind the cameras, ahead of the mean camera. At least one
+/// camera.
 Ball LookedAt(const std::vector<Camera>& cameras);
 
 }  // namespace oraclegs

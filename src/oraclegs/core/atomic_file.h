@@ -13,7 +13,7 @@ class AtomicFile {
  public:
   /// The folder must be there. Throws RunError naming `path` and the reason, as all of this class.
   explicit AtomicFile(const std::filesystem::path& path);
-  /// The same in any folder; errors name `path`.
+  /// The temporary file stands in `folder`, whatever `path` is; errors name `path`.
   AtomicFile(const std::filesystem::path& folder, const std::filesystem::path& path);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
@@ -24,7 +24,7 @@ class AtomicFile {
   void Flush();
   /// Flush, and gives it its final name, in place of what had that name before.
   void Finish();
-  /// The same without waiting for the disk: readers see all of the old or the new file, but a power cut may lose both.
+  /// Finishes without waiting for the disk: readers see all of the old or the new file, but a power cut may lose both.
   void FinishUnflushed();
 
  private:

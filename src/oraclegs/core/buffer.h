@@ -98,11 +98,11 @@ class Buffer {
   const std::shared_ptr<Storage>& storage() const { return storage_; }
 
   T* data() const { return defined() ? static_cast<T*>(storage_->data()) + offset_ : nullptr; }
-  /// Of a buffer on the host, like operator[].
+  /// The elements of a buffer on the host; operator[] needs one there, too.
   std::span<T> span() const { return {data(), static_cast<size_t>(count())}; }
   T& operator[](int64_t i) const { return data()[i]; }
 
-  /// The same numbers in new memory, on the same device or on another.
+  /// A copy of the numbers in new memory, on their device or on another.
   Buffer Clone() const { return CopyOn(device()); }
   Buffer CopyOn(Device device) const {
     if (!defined()) return {};
@@ -119,7 +119,7 @@ class Buffer {
   }
   void SetZero() const { FillWithZeros(data(), device(), bytes()); }
 
-  /// The same numbers seen in another shape. Throws ShapeError when it has more or fewer.
+  /// This memory seen in another shape. Throws ShapeError when that has more or fewer numbers.
   Buffer Reshaped(const Shape& shape) const {
     if (shape.count() != count()) throw ShapeError("{} cannot become {}", shape_.Text(), shape.Text());
     return Buffer(storage_, offset_, shape);
@@ -134,7 +134,7 @@ class Buffer {
     if (begin < 0 || begin > end || end > size(0)) throw ShapeError("rows {} to {} of {}", begin, end, shape_.Text());
     return Buffer(storage_, offset_ + begin * shape_.row(), shape_.WithRows(end - begin));
   }
-  /// The same rows and behind them others that hold anything, `rows` in all: in the same memory where it has room, else
+  /// A buffer of `rows` rows, these and behind them others that hold anything: in this memory where it has room, else
   /// in new memory with half as much again to spare.
   Buffer GrownTo(int64_t rows) const {
     if (rows <= size(0)) return Rows(0, rows);

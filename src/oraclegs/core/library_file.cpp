@@ -24,7 +24,7 @@ std::optional<fs::path> FolderOf(const void* function) {
 
 std::vector<fs::path> LibraryFolders() {
   std::vector<fs::path> folders;
-  // Of liboraclegs_core.so, which the program and its libraries share.
+  // The folder of liboraclegs_core.so, which the program and its libraries share, comes first.
   if (const auto core = FolderOf(reinterpret_cast<const void*>(&NumThreads))) folders.push_back(*core);
   std::error_code ignored;
   const fs::path program = fs::canonical("/proc/self/exe", ignored);

@@ -1,5 +1,5 @@
 #pragma once
-// What a mistyped word was meant to be.
+// The word that a mistyped one was meant to be.
 
 #include <string>
 #include <string_view>

@@ -38,7 +38,7 @@ class Auto {
   Auto(T value) : value_(value) {}  // NOLINT: an option is assigned like a plain value
 
   bool is_auto() const { return !value_; }
-  /// Of one that is not automatic.
+  /// The value that was set; undefined for an automatic one.
   T value() const { return *value_; }
   T ValueOr(T decided) const { return value_.value_or(decided); }
   bool operator==(const Auto&) const = default;
@@ -58,7 +58,7 @@ struct Range {
   double high = std::numeric_limits<double>::infinity();
 };
 
-/// What a field holds, for files.
+/// The value of a field, for files.
 using OptionValue = std::variant<bool, int64_t, double, std::string, std::vector<std::string>>;
 
 template <class T>

@@ -33,7 +33,7 @@ struct ProcessState {
   int64_t ticks = 0;  // of CPU time, with those of children that were waited for
 };
 
-/// What the kernel says of each process of a group.
+/// Hands each process of a group to `take`, as the kernel describes it.
 template <class Take>
 void ForEachOfGroup(pid_t group, const Take& take) {
   std::error_code error;
@@ -63,8 +63,8 @@ bool HasRunning(pid_t group) {
   return running;
 }
 
-// What follows runs in a child between fork and exec, where only calls are allowed that need no lock: another thread
-// may have held one. Of a program that is started, it runs in the memory of this process (vfork).
+// The functions below run in a child between fork and exec, where only calls are allowed that need no lock: another
+// thread may have held one. For a program that is started, they run in the memory of this process (vfork).
 
 /// A copy that stands above the three standard descriptors, one of which may be closed in this process.
 int Above(int fd) { return fcntl(fd, F_DUPFD_CLOEXEC, 3); }
@@ -94,7 +94,7 @@ bool PrepareProgram(const Exec& exec) {
   for (int i = 0; i < 3; ++i) {
     if (standard[i] >= 0 && dup2(standard[i], i) != i) return false;
   }
-  // What we handle or ignore, it need not; but what was ignored for both of us (nohup) stays so.
+  // The child need not handle or ignore the signals that we do; but one that was ignored for both (nohup) stays so.
   struct sigaction usual {};
   usual.sa_handler = SIG_DFL;
   for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ}) sigaction(signal, &usual, nullptr);

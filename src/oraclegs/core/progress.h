@@ -1,5 +1,5 @@
 #pragma once
-// What a running stage may say. The library never prints: the terminal, the log file and a viewer listen.
+// Events that a running stage reports. The library never prints: the terminal, the log file and a viewer listen.
 
 #include <cstdint>
 #include <filesystem>

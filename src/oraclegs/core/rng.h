@@ -10,7 +10,7 @@
 
 namespace oraclegs {
 
-/// Both halves of the 64-bit product.
+/// Computes the upper and the lower half of the 64-bit product.
 ORACLEGS_HD inline void MultiplyWide(uint32_t a, uint32_t b, uint32_t* high, uint32_t* low) {
   const uint64_t product = uint64_t{a} * b;
   *high = static_cast<uint32_t>(product >> 32);

@@ -28,7 +28,7 @@ void RunProgress::Add(const Event& event, Clock::time_point now) {
     if (Row* row = Find(end->stage)) row->took = end->seconds;
     if (end->stage == current_) current_.clear();
   } else if (const auto* kept = std::get_if<StageKept>(&event)) {
-    // What was read back took no time worth planning by.
+    // A stage that was read back took no time worth planning by.
     if (Row* row = Find(kept->stage)) row->planned = 0, row->took = 0;
   }
 }

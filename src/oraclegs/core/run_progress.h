@@ -26,8 +26,9 @@ class RunProgress {
   /// Nothing for a stage that was not planned.
   std::optional<Place> PlaceOf(const std::string& stage) const;
 
-  /// Of the whole run; 0 = nobody knows. `stage_left`: what the stage at work measured itself, 0 = nothing yet. What is
-  /// to come is expected to be as much slower or faster than planned as what is done was.
+  /// Seconds left of the whole run; 0 = nobody knows. `stage_left`: seconds that the stage at work still needs by its
+  /// own measure, 0 = none yet. The stages to come are expected to be as much slower or faster than planned as those
+  /// done were.
   double SecondsLeft(double stage_left, Clock::time_point now = Clock::now()) const;
 
  private:

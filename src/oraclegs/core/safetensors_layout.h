@@ -1,5 +1,5 @@
 #pragma once
-// What stands in front of the numbers of a safetensors file: the types of elements, and the header.
+// The part of a safetensors file in front of its numbers: the types of elements, and the header.
 
 #include <cstdint>
 #include <map>

@@ -26,7 +26,7 @@ class Shape {
   int64_t count() const;
   /// Entries of one row, an item of the first dimension.
   int64_t row() const;
-  /// The same with another first size.
+  /// This shape with another first size.
   Shape WithRows(int64_t rows) const;
   const int64_t* begin() const { return sizes_.data(); }
   const int64_t* end() const { return sizes_.data() + dims_; }

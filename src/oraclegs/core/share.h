@@ -1,5 +1,5 @@
 #pragma once
-// What one of several equal workers does of some work.
+// The part of some work that one of several equal workers does.
 
 #include <cstddef>
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace oraclegs {
 
-/// Of parts that are numbered from 0, every count-th, from `index` on. As it is, all of them.
+/// Every count-th of parts that are numbered from 0, from `index` on; all of them unless set.
 struct Share {
   size_t index = 0;  ///< below count
   size_t count = 1;  ///< from 1

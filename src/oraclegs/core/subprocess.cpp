@@ -196,7 +196,7 @@ bool ReadSome(int fd, const Sink& take) {
   return n > 0;
 }
 
-/// What the two pipes of a child bring, and what its stdin takes.
+/// Reads the two pipes of a child to their ends while it feeds the child's stdin.
 class ChildStreams {
  public:
   ChildStreams(Child* child, OutputSink* sink)

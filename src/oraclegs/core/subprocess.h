@@ -37,7 +37,7 @@ struct ProcessResult {
 /// this process dies (core/process_group.h).
 ProcessResult RunProcess(const ProcessRequest& request);
 
-/// The same of what most callers need.
+/// Runs `argv` as the other does, with the settings that most callers need.
 ProcessResult RunProcess(const std::vector<std::string>& argv, const std::filesystem::path& log = {},
                          const std::function<void(const std::string& line)>& on_line = {});
 

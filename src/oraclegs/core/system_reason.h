@@ -5,8 +5,7 @@
 
 namespace oraclegs {
 
-/// What the system says of an errno, with how to fix it where that is known: "No space left on device; make room
-/// there".
+/// The system's words for an errno, with how to fix it where that is known: "No space left on device; make room there".
 std::string SystemReason(int error);
 std::string SystemReason(const std::error_code& error);
 

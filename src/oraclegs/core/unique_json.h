@@ -15,7 +15,7 @@ nlohmann::json ParseUniqueJson(std::string_view text, const std::string& file, c
 /// and a file of a few kilobytes would end the program. Throws nlohmann::json::exception.
 nlohmann::json ParseJson(std::string_view text);
 
-/// The same without an exception: a discarded value where that throws.
+/// Parses as ParseJson does, without an exception: returns a discarded value where that throws.
 nlohmann::json ParseJsonOrDiscard(std::string_view text);
 
 /// A name out of a file, in quotes and made fit for a one-line message: at most 120 bytes, all of them printable.

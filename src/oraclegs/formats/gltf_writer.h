@@ -15,8 +15,8 @@ namespace oraclegs {
 /// RunError where the file would have more than 4 GB.
 std::string EncodeGltf(const Gaussians& gaussians, int sh_degree, const std::vector<float>& support = {});
 
-/// The same with the Gaussians as SPZ of version 2, whose errors it has, in the order of the Gaussians: a draft of an
-/// extension (KHR_gaussian_splatting_compression_spz_2), which a reader must know.
+/// The bytes of a .glb that holds the Gaussians, in their order, as SPZ of version 2, whose errors it has: a draft of
+/// an extension (KHR_gaussian_splatting_compression_spz_2), which a reader must know.
 std::string EncodeGltfSpz(const Gaussians& gaussians, int sh_degree);
 
 }  // namespace oraclegs

@@ -228,7 +228,7 @@ int64_t WriteSplat(const fs::path& path, const GaussianPly& splat, const Listene
   std::vector<int64_t> finite = FiniteRows(kept.gaussians);
   std::string why;
   if (static_cast<int64_t>(finite.size()) < all) why = "numbers of theirs are not finite";
-  // What a format cannot hold shows when it is read back; what is left then is written once more.
+  // Gaussians that a format cannot hold show when it is read back; the others are written once more.
   std::string bytes;
   PromiseCheck check;
   int passes = 0;

@@ -15,7 +15,7 @@ enum class SplatFormat { kPly, kCompressedPly, kSplat, kSpz, kSog, kGltf, kGltfS
 /// By the end of the name: .ply .compressed.ply .splat .spz .sog .glb .spz.glb, in small or capital letters. Throws
 /// UsageError for another one, naming those there are, or how to convert it.
 SplatFormat SplatFormatOf(const std::filesystem::path& path);
-/// The same without an error.
+/// True where SplatFormatOf finds a format.
 bool HasSplatFormat(const std::filesystem::path& path);
 /// The end of the name: ".spz".
 const char* ExtensionOf(SplatFormat format);

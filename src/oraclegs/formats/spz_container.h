@@ -1,6 +1,6 @@
 #pragma once
-// What SPZ files are packed in: version 1 to 3 are gzip around a header and the attributes, or these alone; version 4
-// is a larger header, a table, and a zstd frame for each attribute.
+// The container of SPZ files: version 1 to 3 are gzip around a header and the attributes, or these alone; version 4 is
+// a larger header, a table, and a zstd frame for each attribute.
 
 #include <cstdint>
 #include <string>

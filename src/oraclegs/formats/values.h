@@ -1,5 +1,5 @@
 #pragma once
-// What the formats have in common: numbers as bytes, opacities, quaternions, axes.
+// Conversions that the formats have in common: numbers as bytes, opacities, quaternions, axes.
 
 #include <array>
 #include <cstdint>
@@ -30,7 +30,7 @@ float LogOfDeviation(float deviation);
 
 /// Where colors of codes with a step for each part of their range end: what lies outside is cut.
 inline constexpr float kLowestColor = -8, kHighestColor = 9;
-/// The same for view-dependent coefficients.
+/// Where view-dependent coefficients of such codes end, on either side of 0.
 inline constexpr float kLargestHarmonic = 4;
 
 /// w,x,y,z of length 1; the identity for a quaternion without a direction.

@@ -23,7 +23,7 @@ struct GaussianRows {
   ORACLEGS_HD GaussianRows From(int64_t i) const {
     return {means + 3 * i, log_scales + 3 * i, quats + 4 * i, opacity_logits + i, sh + kShFloats * i};
   }
-  /// The same without sh, which becomes null.
+  /// The rows from the i-th on, without sh, which becomes null.
   ORACLEGS_HD GaussianRows FromWithoutSh(int64_t i) const {
     return {means + 3 * i, log_scales + 3 * i, quats + 4 * i, opacity_logits + i, nullptr};
   }

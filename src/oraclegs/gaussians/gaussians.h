@@ -34,7 +34,7 @@ struct Gaussians {
   GaussianRows Rows() const;
 
   Device device() const { return means.device(); }
-  /// The same numbers in new memory / on the device, in new memory unless they lie there.
+  /// A copy in new memory / the numbers on the device, in new memory unless they lie there.
   Gaussians Clone() const;
   Gaussians To(Device device) const;
 

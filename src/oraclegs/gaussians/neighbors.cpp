@@ -40,7 +40,7 @@ struct KdTree::MeanSearch : Search {
   }
 };
 
-/// The same, and which points they are.
+/// A search that also keeps which points the three nearest are.
 struct KdTree::ThreeSearch : Search {
   std::array<NearPoint, 3> nearest;
 

@@ -13,7 +13,7 @@ namespace oraclegs {
 /// The Gaussians of these indices, in this order, in new memory on the host.
 Gaussians Picked(const Gaussians& gaussians, const std::vector<int64_t>& indices);
 
-/// The same for any array on the host.
+/// The rows of those indices, in their order, of any array on the host.
 template <class T>
 Buffer<T> PickedRows(const Buffer<T>& all, const std::vector<int64_t>& indices) {
   constexpr int64_t kGrain = 4096;  // rows

@@ -1,5 +1,5 @@
 #pragma once
-// What a JPEG's application segments say about its pixels: orientation, and inverted CMYK.
+// The application segments of a JPEG, as far as they are about its pixels: orientation, and inverted CMYK.
 
 #include <string_view>
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a camera writes beside the pixels, and where each kind of image file keeps it.
+// The notes of a camera beside the pixels, and where each kind of image file keeps them.
 
 #include <optional>
 #include <string>
@@ -13,7 +13,7 @@ struct GpsPosition {
   std::optional<double> altitude;      ///< meters above sea level
 };
 
-/// What is unknown is 0 or empty. Texts are printable ASCII.
+/// The notes of a camera; 0 or empty where unknown. Texts are printable ASCII.
 struct Exif {
   int orientation = 1;                    ///< tag 0x0112: 1 to 8, 1 = upright
   double focal_mm = 0;                    ///< of the lens, millimeters

@@ -45,7 +45,7 @@ void ForEachHeifBox(std::string_view bytes,
 
 using Pieces = std::map<uint64_t, std::vector<uint64_t>>;
 
-/// What each image is decoded with: what it is made of, and its alpha channel, which refers to it.
+/// Adds the images that each image is decoded with: those it is made of, and its alpha channel, which refers to it.
 void AddPieces(std::string_view references, Pieces* pieces) {
   if (references.size() < kFullBoxHead) return;
   const size_t id_bytes = references[0] == 0 ? 2 : 4;

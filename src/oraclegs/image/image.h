@@ -14,7 +14,7 @@ struct Image8 {
   std::vector<uint8_t> data;  ///< height * width * channels
 };
 
-/// The same as float in [0, 1].
+/// Pixels as floats in [0, 1], laid out as those of Image8.
 struct ImageF {
   int width = 0, height = 0, channels = 0;
   std::vector<float> data;  ///< height * width * channels

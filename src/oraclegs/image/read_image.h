@@ -26,7 +26,7 @@ struct ImageInfo {
   std::string extension;  ///< of such files, by content: ".jpg"
 };
 
-/// What is known without decoding.
+/// Reads size, EXIF and kind of an image without decoding its pixels. Throws InputError naming the file.
 ImageInfo ReadImageInfo(const std::filesystem::path& path);
 
 inline constexpr size_t kImageHeadBytes = 16;  ///< enough for IsImage

@@ -20,7 +20,7 @@ struct FetchOptions {
   }
 };
 
-/// What the machine adds.
+/// Settings of a download that the machine adds.
 struct FetchSettings {
   std::string token = {};   ///< HF_TOKEN: sent to huggingface.co or the mirror alone, never unencrypted
   std::string mirror = {};  ///< ORACLEGS_MODELS_URL: takes the place of scheme and host of every address

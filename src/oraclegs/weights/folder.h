@@ -18,7 +18,8 @@ std::filesystem::path FetchedFile(const std::string& name);
 /// stands for its parts) or WeightsFolder()/NAME.safetensors. Throws UsageError for a name that does not exist.
 std::optional<std::filesystem::path> LocateWeights(const std::string& name);
 
-/// The same, for a stage that needs them. Throws InputError that names the command which brings them.
+/// The weights of a network for a stage that needs them, as LocateWeights finds them. Throws InputError that names the
+/// command which brings them.
 std::filesystem::path RequireWeights(const std::string& name);
 
 /// The first of several alternatives whose weights are here, and its name. Throws InputError as RequireWeights does,

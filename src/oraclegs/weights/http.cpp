@@ -88,7 +88,7 @@ struct Exchange {
     std::string name(line.substr(0, colon));
     std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
     const std::string value(Trimmed(line.substr(colon + 1)));
-    // What the first server says of the file is not overruled by a server it redirects to.
+    // The first server's word about the file is not overruled by a server it redirects to.
     if (name.starts_with("x-linked-")) {
       reply->headers.emplace(name, value);
     } else {

@@ -1,5 +1,5 @@
 #pragma once
-// What has arrived of a file so far, and its checksum.
+// A file that has arrived in part, and its checksum so far.
 
 #include <cstdint>
 #include <filesystem>

@@ -32,7 +32,7 @@ class DeviceArray {
   void Reserve(int64_t count) {
     if (count > capacity_) Replace(count + count / 4);
   }
-  /// The same without spare room, for what keeps its size.
+  /// Makes room as Reserve does, without spare room: for arrays that keep their size.
   void ReserveExactly(int64_t count) {
     if (count > capacity_) Replace(count);
   }
@@ -88,7 +88,7 @@ class Event {
   void Record(cudaStream_t stream) { Check(cudaEventRecord(event_, stream), "recording an event"); }
   /// Waits until the device has come to it.
   void Wait() const { Check(cudaEventSynchronize(event_), "waiting for the GPU"); }
-  /// Of two recorded and passed events.
+  /// Milliseconds from `earlier` to this event; the device has passed both.
   double MillisecondsSince(const Event& earlier) const {
     float ms = 0;
     Check(cudaEventElapsedTime(&ms, earlier.event_, event_), "measuring time on the GPU");

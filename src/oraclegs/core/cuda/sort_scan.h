@@ -1,6 +1,6 @@
 #pragma once
-// What we take from CUB, behind plain functions: device memory in, device memory out, nothing waits. `scratch` grows to
-// the largest use.
+// The sorts and sums of CUB behind plain functions: device memory in, device memory out, nothing waits. `scratch` grows
+// to the largest use.
 
 #include <cstdint>
 

@@ -55,7 +55,7 @@ HWY_INLINE void TransposeBlocks(FloatVec* v, int stride) {
   v[3 * stride] = FloatVec{_mm512_shuffle_f32x4(high01, high23, 0xdd)};
 }
 
-/// The same where the last row of the matrix is zero; what it holds is not read.
+/// TransposeBlocks of matrices whose last row is zero; that row is not read.
 HWY_INLINE void TransposeBlocksOfThree(FloatVec* v, int stride) {
   const auto low01 = _mm512_shuffle_f32x4(v[0].raw, v[stride].raw, 0x44);
   const auto low2 = _mm512_zextps256_ps512(_mm512_castps512_ps256(v[2 * stride].raw));
@@ -91,7 +91,7 @@ HWY_INLINE void LoadScatteredRows(const Row& row, int tiles, FloatVec* HWY_RESTR
   }
 }
 
-/// The same of `count` rows that are `stride` floats apart; the last one fills the lanes past the end.
+/// Loads `count` rows that are `stride` floats apart; the last one fills the lanes past the end.
 HWY_INLINE void LoadWideRows(const float* HWY_RESTRICT rows, int stride, int count, int tiles,
                              FloatVec* HWY_RESTRICT columns) {
   const auto row = [=](int lane) HWY_ATTR { return rows + static_cast<int64_t>(std::min(lane, count - 1)) * stride; };

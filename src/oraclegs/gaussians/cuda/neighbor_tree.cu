@@ -21,7 +21,7 @@ __device__ float FromOrdered(uint32_t key) {
 __device__ double Below(const NodeBox& box, int axis) { return static_cast<double>(FromOrdered(~box.below[axis])); }
 __device__ double Above(const NodeBox& box, int axis) { return static_cast<double>(FromOrdered(box.above[axis])); }
 
-/// Of the item on this place.
+/// Number of the node, within its level, of the item on this place.
 __device__ int64_t NodeOf(const NeighborTree& tree, int level, int64_t place) {
   return (((place + 1) << level) - 1) / tree.n;
 }
@@ -75,8 +75,8 @@ __global__ void NodeKeys(const uint32_t* nodes, const uint32_t* order, int64_t n
   if (i < n) keys[i] = nodes[order[i]];
 }
 
-/// The same steps in the bound of a box and in a distance, none of which gives less for more: rounding never makes the
-/// bound exceed a distance.
+/// Sum of squares, in equal steps for the bound of a box and for a distance, none of which gives less for more:
+/// rounding never makes the bound exceed a distance.
 __device__ double SquaredLength(double x, double y, double z) { return std::fma(z, z, std::fma(y, y, x * x)); }
 
 struct Search {

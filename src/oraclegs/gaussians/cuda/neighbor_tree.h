@@ -39,8 +39,8 @@ void RunStartTree(const NeighborTree& tree, cudaStream_t stream);
 /// Once the order is that of the level's nodes: their boxes.
 void RunNodeBoxes(const NeighborTree& tree, int level, cudaStream_t stream);
 
-/// What the level's points are to be sorted by: keys [n], in the tree's order, their coordinates along the longest side
-/// of their node's box; nodes [n], by point, the number of that node.
+/// Writes the keys that the level's points are to be sorted by: keys [n], in the tree's order, their coordinates along
+/// the longest side of their node's box; nodes [n], by point, the number of that node.
 void RunSplitKeys(const NeighborTree& tree, int level, uint32_t* keys, uint32_t* nodes, cudaStream_t stream);
 
 /// keys[i] = nodes[order[i]].

@@ -1,6 +1,6 @@
 #pragma once
-// What the pickle of a checkpoint makes, as plain data. Nothing of it is ever called. Values refer to each other by
-// index, so that no depth of nesting and no circle costs more than the pickle is long.
+// The values that the pickle of a checkpoint makes, as plain data. Nothing of them is ever called. Values refer to each
+// other by index, so that no depth of nesting and no circle costs more than the pickle is long.
 
 #include <cstdint>
 #include <deque>

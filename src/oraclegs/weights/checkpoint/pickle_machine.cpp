@@ -103,7 +103,7 @@ class PickleMachine {
     stack_.pop_back();
     return value;
   }
-  /// What lies above the last mark, which goes, too.
+  /// Takes the values above the last mark, and the mark, off the stack.
   Values PopMark() {
     size_t mark = stack_.size();
     while (mark > 0 && stack_[mark - 1].kind != PickleKind::kMark) --mark;

@@ -33,7 +33,7 @@ struct PickleValue {
   std::string_view text() const { return {begin, static_cast<size_t>(number)}; }
 };
 
-/// What a name of Python's stands for in a checkpoint.
+/// The meaning of a name of Python's in a checkpoint.
 enum class PickleRole : uint8_t {
   kOther,            ///< makes an object
   kStorageType,      ///< torch FloatStorage

@@ -53,7 +53,7 @@ class Finder {
     }
   }
 
-  /// Of the items of a dict whose keys are texts.
+  /// Calls use(key, value) for each item of a dict whose key is a text.
   template <class Use>
   void ForEachItem(const PickleValue& dict, const Use& use) {
     if (dict.kind != PickleKind::kDict) return;

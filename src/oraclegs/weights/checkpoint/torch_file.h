@@ -1,5 +1,5 @@
 #pragma once
-// What torch.save writes: a zip of a pickle and of one part for each storage since PyTorch 1.6, five pickles and the
+// Files of torch.save: a zip of a pickle and of one part for each storage since PyTorch 1.6, five pickles and the
 // storages before. TorchScript archives are such zips, too.
 
 #include <string_view>

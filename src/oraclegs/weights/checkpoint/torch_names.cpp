@@ -12,7 +12,7 @@ struct NamedElement {
   ElementType element;
 };
 
-// What safetensors does not have is read as far as needed to know where the other numbers lie.
+// Types that safetensors does not have are read as far as needed to know where the other numbers lie.
 constexpr NamedElement kElements[] = {
     {"Double", "float64", {"F64", 8}},
     {"Float", "float32", {"F32", 4}},

@@ -8,7 +8,7 @@
 
 namespace oraclegs {
 
-/// What "torch._utils _rebuild_tensor_v2" stands for; kOther for names that are not PyTorch's.
+/// The meaning of a name such as "torch._utils _rebuild_tensor_v2"; kOther for names that are not PyTorch's.
 PickleGlobal KnownGlobal(const std::string& name);
 
 /// True for names by which a pickle takes hold of the machine when Python reads it. This reader calls nothing, so they

@@ -1,6 +1,6 @@
 #pragma once
-// What the calls in a checkpoint's pickle would make: tensors, parameters, dicts, and objects of which nothing is
-// known. Throw InputError with the file's name for calls that cannot be.
+// The values that the calls in a checkpoint's pickle would make: tensors, parameters, dicts, and objects of which
+// nothing is known. The functions throw InputError with the file's name for calls that cannot be.
 
 #include "oraclegs/weights/checkpoint/pickle_heap.h"
 
