@@ -158,5 +158,24 @@ TEST(ReplaceFile, LeavesTheOldOrTheNew) {
   EXPECT_THROW(ReplaceFile(dir / "missing" / "a", "x"), RunError);
 }
 
+TEST(ReadHead, ReadsAtMostSoMuchOfAFile) {
+  const TempDir dir;
+  WriteFileAtomically(dir / "a", "abc");
+  EXPECT_EQ(ReadHead(dir / "a", 2), "ab");
+  EXPECT_EQ(ReadHead(dir / "a", 9), "abc");
+  EXPECT_EQ(ReadHead(dir / "none", 9), "");
+  EXPECT_EQ(ReadHead(dir.path(), 9), "");
+}
+
+TEST(IsFolder, KnowsFoldersAndLinksToThem) {
+  const TempDir dir;
+  WriteFileAtomically(dir / "a", "abc");
+  std::filesystem::create_symlink(dir.path(), dir / "link");
+  EXPECT_TRUE(IsFolder(dir.path()));
+  EXPECT_TRUE(IsFolder(dir / "link"));
+  EXPECT_FALSE(IsFolder(dir / "a"));
+  EXPECT_FALSE(IsFolder(dir / "none"));
+}
+
 }  // namespace
 }  // namespace oraclegs

@@ -215,5 +215,17 @@ TEST(WritePng, RefusesWrongShapesAndPaths) {
   EXPECT_THROW(WritePng(dir / "file" / "a.png", SmoothImage(2, 2, 3)), RunError);
 }
 
+TEST(PngGrayBits, TellsGrayFromColor) {
+  const TempDir dir;
+  WritePng(dir / "gray.png", {2, 1, 1, {0, 255}});
+  WritePng(dir / "color.png", {1, 1, 3, {1, 2, 3}});
+  WritePng16(dir / "depth.png", 2, 1, {0, 1000});
+  const auto bits = [&](const char* name) { return PngGrayBits(ReadHead(dir / name, kPngHeaderBytes)); };
+  EXPECT_EQ(bits("gray.png"), 8);
+  EXPECT_EQ(bits("color.png"), 0);
+  EXPECT_EQ(bits("depth.png"), 16);
+  EXPECT_EQ(PngGrayBits("no PNG"), 0);
+}
+
 }  // namespace
 }  // namespace oraclegs

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <mutex>
 
 #include "oraclegs/capture/sharpness.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/statistics.h"
@@ -29,14 +29,6 @@ constexpr double kBlurredSharpness = 2e-3;  // less detail than this has no phot
 constexpr size_t kMinForMedian = 4;
 constexpr double kMinPanorama = 2.5;  // width by height; film is up to 2.4
 constexpr double kAlikeLevels = 1.2;  // mean difference of gray levels of two photos from one place
-
-std::string MetadataOf(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes(kMetadataBytes, '\0');
-  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  bytes.resize(static_cast<size_t>(std::max<std::streamsize>(0, file.gcount())));
-  return bytes;
-}
 
 /// As phones' screens are: 16:9 to 22:9.
 bool IsPhoneScreen(int width, int height) {
@@ -79,7 +71,7 @@ PhotoSigns ReadSigns(const std::filesystem::path& path) {
   const ImageF small = ResizeArea(ToFloat(gray), kSignatureSide, kSignatureSide);
   for (const float value : small.data) signs.signature.push_back(255.0 * value);
 
-  const std::string metadata = MetadataOf(path);
+  const std::string metadata = ReadHead(path, kMetadataBytes);
   const ImageInfo info = ReadImageInfo(path);
   const double aspect = static_cast<double>(info.width) / info.height;
   const bool is_sphere = aspect == 2 && !info.exif.HasCamera();

@@ -5,13 +5,13 @@
 #include <cctype>
 #include <charconv>
 #include <cstdio>
-#include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "oraclegs/capture/sharpness.h"
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/find_program.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
@@ -108,9 +108,8 @@ bool LooksLikeVideo(const fs::path& path) {
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end()) return true;
-  std::ifstream file(path, std::ios::binary);
-  std::string head(16, '\0');
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  std::string head = ReadHead(path, 16);
+  head.resize(16);
   const std::string_view bytes = head;
   return (bytes.substr(4, 4) == "ftyp" && !IsHeif(bytes)) || bytes.starts_with("\x1A\x45\xDF\xA3") ||
          (bytes.starts_with("RIFF") && bytes.substr(8, 4) == "AVI ");

@@ -3,7 +3,6 @@
 #include <zip.h>
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 #include <map>
 #include <memory>
@@ -13,6 +12,7 @@
 #include "oraclegs/capture/free_names.h"
 #include "oraclegs/core/atomic_file.h"
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/system_reason.h"
 #include "oraclegs/core/text.h"
@@ -191,9 +191,7 @@ void RequireRoom(const fs::path& dir, const std::vector<ZipPhoto>& photos) {
 }  // namespace
 
 bool IsZip(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string head(4, '\0');
-  file.read(head.data(), 4);
+  const std::string head = ReadHead(path, 4);
   return head == std::string("PK\3\4", 4) || head == std::string("PK\5\6", 4);
 }
 

@@ -4,8 +4,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 
 #include "oraclegs/core/atomic_file.h"
 #include "oraclegs/core/error.h"
@@ -61,6 +63,21 @@ std::string ReadFile(const fs::path& path, uint64_t max_bytes) {
     done += static_cast<size_t>(n);
   }
   return bytes;
+}
+
+std::string ReadHead(const fs::path& path, size_t bytes) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return "";  // a pipe must not make us wait
+  std::string head(bytes, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<size_t>(std::max<std::streamsize>(0, file.gcount())));
+  return head;
+}
+
+bool IsFolder(const fs::path& path) {
+  std::error_code error;
+  return fs::is_directory(path, error);
 }
 
 void WriteFileAtomically(const fs::path& path, std::string_view bytes) {

@@ -14,12 +14,18 @@ namespace oraclegs {
 /// max_bytes.
 std::string ReadFile(const std::filesystem::path& path, uint64_t max_bytes = uint64_t{1} << 34);
 
+/// The first bytes of a regular file, at most `bytes`, fewer where it ends; empty where it cannot be read.
+std::string ReadHead(const std::filesystem::path& path, size_t bytes);
+
+/// True for a folder and for a link to one; false where that cannot be found out.
+bool IsFolder(const std::filesystem::path& path);
+
 /// Writes to a temporary name beside `path`, flushes to disk, renames: `path` holds the old content or all of the new.
 /// Creates the parent folder. Throws RunError (disk full, read-only, ...) after removing the temporary file.
 void WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes);
 
-/// The same for what is replaced many times a minute and lost without harm: it does not wait for the disk, and the
-/// folder must be there.
+/// Replaces a file that changes many times a minute and may be lost: as WriteFileAtomically, but without waiting for
+/// the disk, and the folder must be there. Throws RunError.
 void ReplaceFile(const std::filesystem::path& path, std::string_view bytes);
 
 /// Creates `dir` and its parents and proves that files can be made in it. Throws RunError naming it and the reason.

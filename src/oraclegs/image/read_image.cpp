@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <fstream>
 #include <string>
 #include <string_view>
-#include <system_error>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
@@ -21,7 +19,7 @@ namespace {
 
 constexpr uint64_t kMaxFileBytes = uint64_t{1} << 31;  // an image of the largest size without compression
 
-constexpr size_t kHeadBytes = size_t{1} << 18;
+constexpr size_t kHeadBytes = size_t{1} << 18;  // where the headers of a JPEG and a PNG are
 
 [[noreturn]] void RefuseFormat(const std::string& bytes, const std::string& file) {
   if (bytes.empty()) throw InputError("{}: is empty; copy the image again", file);
@@ -36,17 +34,6 @@ void SizeOf(const std::string& bytes, const std::string& file, Orientation orien
   if (IsWebp(bytes)) return ReadWebpSize(bytes, file, orientation, width, height);
   if (IsTiff(bytes)) return ReadTiffSize(bytes, file, orientation, width, height);
   RefuseFormat(bytes, file);
-}
-
-/// The first bytes of a file, where the headers of a JPEG and a PNG are; empty when it cannot be read.
-std::string ReadHead(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return "";
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes(kHeadBytes, '\0');
-  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  bytes.resize(static_cast<size_t>(std::max<std::streamsize>(0, file.gcount())));
-  return bytes;
 }
 
 const char* ExtensionOf(const std::string& bytes) {
@@ -69,7 +56,7 @@ Image8 ReadImage(const std::filesystem::path& path, Orientation orientation) {
 }
 
 void ReadImageSize(const std::filesystem::path& path, int* width, int* height, Orientation orientation) {
-  if (const std::string head = ReadHead(path); IsJpeg(head) || IsPng(head)) {
+  if (const std::string head = ReadHead(path, kHeadBytes); IsJpeg(head) || IsPng(head)) {
     try {
       return SizeOf(head, path.string(), orientation, width, height);
     } catch (const InputError&) {  // what the head alone does not say, or hold

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/propose/proposal_files.h"
@@ -29,11 +30,6 @@ constexpr const char* kDistorted = "their camera model is no pinhole; remove the
 constexpr const char* kTestName =
     "they have the name of a test view, whose image must stay unseen; remove them, or rename them when they show "
     "another pose";
-
-bool IsFolder(const fs::path& path) {
-  std::error_code error;
-  return fs::is_directory(path, error);
-}
 
 bool IsBelow(const fs::path& dir, const fs::path& file) {
   const fs::path relative = file.lexically_normal().lexically_relative(dir);

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 #include <string_view>
 #include <system_error>
 #include <vector>
 
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/scene/read_colmap.h"
 #include "oraclegs/scene/scene.h"
@@ -105,11 +105,6 @@ bool Exists(const fs::path& path) {
   return fs::exists(path, error);
 }
 
-bool IsFolderThere(const fs::path& path) {
-  std::error_code error;
-  return fs::is_directory(path, error);
-}
-
 std::string BelowLayout(const fs::path& dir, const fs::path& path) {
   return path.lexically_relative(dir).generic_string();
 }
@@ -122,11 +117,7 @@ const char* FirstOf(const fs::path& dir, const Names& names) {
 
 bool BeginsWithText(const fs::path& path, std::string_view text) {
   if (text.empty()) return true;
-  std::string head(kLookBytes, '\0');
-  std::ifstream file(path, std::ios::binary);
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<size_t>(std::max<std::streamsize>(0, file.gcount())));
-  return head.find(text) != std::string::npos;
+  return ReadHead(path, kLookBytes).find(text) != std::string::npos;
 }
 
 std::string Sentence(const std::string& poses, const std::string& program, const std::string& fix) {
@@ -166,7 +157,7 @@ std::optional<CaptureLayout> FindCaptureLayout(const fs::path& dir) {
     if (!std::all_of(row.marks.begin(), row.marks.end(), [&](const char* mark) { return Exists(dir / mark); }))
       continue;
     const char* photos = FirstOf(dir, row.photos);
-    if (photos == nullptr || !IsFolderThere(dir / photos)) continue;
+    if (photos == nullptr || !IsFolder(dir / photos)) continue;
     const char* poses = FirstOf(dir, row.poses);
     return CaptureLayout{row.program, dir / photos, poses == nullptr ? "" : poses, row.fix};
   }
@@ -194,7 +185,7 @@ std::string DescribeScenePoses(const fs::path& dir) {
   std::vector<fs::path> folders = EntriesOf(dir);
   folders.insert(folders.begin(), dir);
   for (const fs::path& path : folders) {
-    if (!IsFolderThere(path) || Exists(path / "options.json")) continue;  // the latter is of a run of ours
+    if (!IsFolder(path) || Exists(path / "options.json")) continue;  // the latter is of a run of ours
     for (const char* file : {"transforms.json", "transforms_train.json"}) {
       if (Exists(path / file)) return Sentence(BelowLayout(dir, path / file), "", kAlone);
     }

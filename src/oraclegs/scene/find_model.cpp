@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/read_image.h"
@@ -23,11 +24,6 @@ namespace fs = std::filesystem;
 
 constexpr int kMaxModelDepth = 4;  // folders between the scene's and the model's
 constexpr size_t kMaxFoldersSearched = 10000;
-
-bool IsFolder(const fs::path& path) {
-  std::error_code error;
-  return fs::is_directory(path, error);
-}
 
 /// The folders in a folder, sorted; empty when it is not a folder.
 std::vector<fs::path> FoldersIn(const fs::path& dir) {

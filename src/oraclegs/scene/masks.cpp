@@ -33,9 +33,7 @@ constexpr double kMinKeptOfAll = .005;  // less is no photo of an object
 constexpr double kMostMasks = .8;
 constexpr size_t kMinMasksToJudge = 2;
 
-/// A gray PNG of 16 bits: its values are reduced to 8 only where they need the 16.
-bool IsGray16(std::string_view bytes) { return IsPng(bytes) && bytes.size() > 25 && bytes[24] == 16 && bytes[25] == 0; }
-
+/// The levels of a gray PNG of 16 bits, reduced to 8 only where they need the 16.
 Image8 ReadGray16(const fs::path& path) {
   const Image16 gray = ReadPng16(path);
   const bool small = std::all_of(gray.values.begin(), gray.values.end(), [](uint16_t v) { return v <= 255; });
@@ -71,7 +69,7 @@ MaskAlpha UseOfAlpha(const Image8& image) {
 
 /// A mask file as one channel, not yet scaled to black and white.
 Image8 ReadLevels(const fs::path& path, Orientation orientation) {
-  if (IsGray16(ReadFile(path))) return ReadGray16(path);
+  if (PngGrayBits(ReadHead(path, kPngHeaderBytes)) == 16) return ReadGray16(path);
   const Image8 image = ReadImage(path, orientation);
   Image8 levels{image.width, image.height, 1, {}};
   levels.data.resize(image.data.size() / static_cast<size_t>(image.channels));

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <fstream>
 #include <map>
 #include <set>
 #include <system_error>
 #include <utility>
 
+#include "oraclegs/core/files.h"
 #include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/image/tiff.h"
@@ -111,21 +111,6 @@ bool IsSogTable(const fs::path& path) {
   return Contains(kTables, path.filename().string()) && fs::exists(path.parent_path() / "meta.json", error);
 }
 
-std::string HeadOf(const fs::path& path, size_t bytes) {
-  std::string head(bytes, '\0');
-  std::ifstream file(path, std::ios::binary);
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<size_t>(std::max<std::streamsize>(0, file.gcount())));
-  return head;
-}
-
-/// Bits of a PNG of one channel; 0 for all other files.
-int GrayBits(const fs::path& path) {
-  constexpr size_t kBitsAt = 24, kColorAt = 25;
-  const std::string head = HeadOf(path, kColorAt + 1);
-  return head.size() > kColorAt && IsPng(head) && head[kColorAt] == 0 ? head[kBitsAt] : 0;
-}
-
 /// Moves what `is_companion` to the second list.
 template <class IsCompanion>
 void Part(std::vector<fs::path>* photos, std::vector<fs::path>* companions, const IsCompanion& is_companion) {
@@ -154,7 +139,7 @@ void TakeMapsByPixels(std::vector<fs::path>* photos, std::vector<fs::path>* comp
   std::map<fs::path, int> bits;
   std::set<std::string> colored;  // stems
   for (const fs::path& photo : *photos) {
-    const int gray = GrayBits(photo);
+    const int gray = PngGrayBits(ReadHead(photo, kPngHeaderBytes));
     if (gray > 0) bits[photo] = gray;
     if (gray == 0) colored.insert(photo.stem().string());
   }
@@ -206,7 +191,7 @@ bool IsPhotoByContent(const fs::path& name, std::string_view head) {
   return !is_backup && !Contains(kOthers, extension);
 }
 
-bool IsPhotoByContent(const fs::path& file) { return IsPhotoByContent(file, HeadOf(file, kImageHeadBytes)); }
+bool IsPhotoByContent(const fs::path& file) { return IsPhotoByContent(file, ReadHead(file, kImageHeadBytes)); }
 
 std::vector<fs::path> TakeCompanions(std::vector<fs::path>* photos) {
   std::vector<fs::path> companions;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string_view>
@@ -33,18 +32,10 @@ constexpr size_t kHeaderBytes = 128 * 1024;  // an EXIF segment holds 64 KiB at 
 constexpr uint8_t kMaskThreshold = 128;
 constexpr int kCopyQuality = 97;
 
-std::string ReadHeader(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes(kHeaderBytes, '\0');
-  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  bytes.resize(static_cast<size_t>(std::max<std::streamsize>(0, file.gcount())));
-  return bytes;
-}
-
 /// True when colmap reads no such file or, ignoring the EXIF orientation, would see the image otherwise than its camera
 /// does.
 bool NeedsCopy(const SceneView& view) {
-  const std::string header = ReadHeader(view.image_path);
+  const std::string header = ReadHead(view.image_path, kHeaderBytes);
   if (!IsJpeg(header) && !IsPng(header)) return true;
   if (ReadJpegMetadata(header).orientation == 1) return false;
   if (view.intrinsics.params.empty()) return true;
@@ -168,7 +159,7 @@ Image8 PlaceImage(const SceneView& view, const StagedView& staged, const fs::pat
   fs::create_symlink(fs::absolute(view.image_path), target, error);
   if (error) fs::copy_file(view.image_path, target, error);
   if (error) throw RunError("{}: cannot be written: {}", target.string(), SystemReason(error));
-  return MayBeTransparent(ReadHeader(view.image_path)) ? AlphaMask(ReadImage(view.image_path)) : Image8();
+  return MayBeTransparent(ReadHead(view.image_path, kHeaderBytes)) ? AlphaMask(ReadImage(view.image_path)) : Image8();
 }
 
 /// Each pixel of the mask that is nearest to one of an image of this size.
@@ -233,7 +224,7 @@ std::vector<StagedView> PlanStaging(const Scene& scene, const std::vector<int>& 
     if (staged.is_copy) {
       staged.name += ".jpg";
     } else if (!HasImageExtension(staged.name)) {
-      staged.name += IsPng(ReadHeader(view.image_path)) ? ".png" : ".jpg";
+      staged.name += IsPng(ReadHead(view.image_path, kHeaderBytes)) ? ".png" : ".jpg";
     }
     if (!taken.insert(staged.name).second) {  // names that differ only in what PlainName replaced
       staged.name = fmt::format("camera{}/{}-{}", camera, views[i], staged.name.substr(staged.name.find('/') + 1));
