@@ -150,12 +150,12 @@ std::vector<ParserInput> SceneInputs() {
        "a.db"},
       {"list of views", "a file of names",
        [](size_t bytes) {
-         return Repeated(std::min<size_t>(bytes, 1 << 20), [](size_t i) { return Numbered("a", i, "\n"); });
+         return Repeated(std::min<size_t>(bytes, 1000000), [](size_t i) { return Numbered("a", i, "\n"); });
        },
        [](const std::string&) { ExpandViewList("@" + (BenchFolder() / "list.txt").string(), "train"); }, "list.txt"},
       {"list of views", "names of a scene",
        [](size_t bytes) {
-         return Repeated(std::min<size_t>(bytes, 1 << 20), [](size_t i) { return Numbered("a", i, ","); }) + "a0";
+         return Repeated(std::min<size_t>(bytes, 1000000), [](size_t i) { return Numbered("a", i, ","); }) + "a0";
        },
        [](const std::string& file) {
          Scene scene;
