@@ -4,8 +4,8 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/output/live/curves.h"
-#include "oraclegs/workspace/stage_records.h"
 #include "oraclegs/train/checkpoint.h"
+#include "oraclegs/workspace/stage_records.h"
 
 namespace oraclegs {
 

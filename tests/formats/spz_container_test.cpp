@@ -10,7 +10,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// The same Gaussians with 24 more bytes of harmonics each, which make degree 3 four.
+/// The file's Gaussians with 24 more bytes of harmonics each, which make degree 3 four.
 std::string WithAFourthDegree(const std::string& spz) {
   const std::string bare = BareSpz(spz);
   const auto n = LoadLittle<uint32_t>(bare, 8);

@@ -23,9 +23,10 @@ class ViewLoss {
   /// `plan` outlives this.
   explicit ViewLoss(const LossPlan& plan);
 
-  /// Returns the loss and its gradients. out: the render of plan.View(sampled). seed: for random patches. Throws RunError
-  /// when the loss is not finite, before an exposure map is stepped. The last iteration steps no map. Depth and alpha of
-  /// grads stay undefined, which the rasterizer takes for zero at no cost, where the loss has no such term.
+  /// Returns the loss and its gradients. out: the render of plan.View(sampled). seed: for random patches. Throws
+  /// RunError when the loss is not finite, before an exposure map is stepped. The last iteration steps no map. Depth
+  /// and alpha of grads stay undefined, which the rasterizer takes for zero at no cost, where the loss has no such
+  /// term.
   ViewLossResult operator()(const SampledView& sampled, int64_t iteration, const RenderOutput& out, uint64_t seed = 0);
 
   /// The exposure maps; nullptr where they are not trained.
