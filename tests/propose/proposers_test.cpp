@@ -1,6 +1,8 @@
 #include "oraclegs/propose/proposers.h"
 
-#include "run/proposing.h"
+#include <gtest/gtest.h>
+
+#include "depth/surfaces.h"
 
 namespace oraclegs {
 namespace {
@@ -19,23 +21,22 @@ class BlackProposer : public Proposer {
   std::string name_;
 };
 
-using ProposersTest = ProposingTest;
-
-TEST_F(ProposersTest, AskEachProposerForEachTarget) {
-  auto run = StartRun(Request(), Silent());
-  Bring(&run, "depth");
-  const TrainingViews& training = ViewsOf(&run);
-  const auto warper = [&] {
-    return std::make_unique<Warper>(
-        WarpSources{training.views, run.results->geometry.maps, {}, &training.silhouettes, {0, 0, 0}});
-  };
+TEST(Proposers, AskEachForEachTarget) {
+  const TexturedPlane plane;
+  std::vector<LoadedView> views;
+  std::vector<DepthMap> maps;
+  for (const Camera& camera : Arc(5, 8)) {
+    views.push_back(plane.Take(camera, fmt::format("p{}", views.size())));
+    maps.push_back(TrueDepth(views.back(), plane, 0.9f));
+  }
+  const auto warper = [&] { return std::make_unique<Warper>(WarpSources{views, maps}); };
   std::unique_ptr<Warper> shared = warper();
   std::vector<AskedProposer> members;
   members.push_back({std::make_unique<WarpProposer>(*shared)});
   members.push_back({.proposer = std::make_unique<BlackProposer>("proxies"), .renders = true});
   members.push_back({.proposer = std::make_unique<BlackProposer>("teacher"), .paints = false});
   const Proposers all(std::move(shared), std::move(members));
-  const Target first{"first", training.views[0].camera}, third{"third", training.views[2].camera};
+  const Target first{"first", views[0].camera}, third{"third", views[2].camera};
   const auto candidates = all.Ask({first, third, third}, {0, std::nullopt, 2});
   ASSERT_EQ(candidates.size(), 3u);
   ASSERT_EQ(candidates[0].size(), 3u);
