@@ -55,6 +55,8 @@ TEST(StageRecords, LeaveOutWhatHasAnotherType) {
                                                  {"files", {1}},
                                                  {"points", nullptr},
                                                  {"gaussians", "x"},
+                                                 {"targets", 4e64},
+                                                 {"seconds", -1e300},
                                                  {"mean_confidence", {{"a", "b"}}},
                                                  {"mean_confidence", 1},
                                                  {"test", json::array()},

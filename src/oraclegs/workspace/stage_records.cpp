@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 
 #include "oraclegs/core/error.h"
@@ -16,7 +17,11 @@ using nlohmann::json;
 constexpr uint64_t kMaxRecordBytes = 64 << 20;
 
 bool IsText(const json& value) { return value.is_string(); }
-bool IsNumber(const json& value) { return value.is_number(); }
+/// True for numbers that are exact as a double and as an integer of 64 bits, of which readers take either.
+bool IsNumber(const json& value) {
+  constexpr double kMaxNumber = 9007199254740992;  // 2^53
+  return value.is_number() && std::abs(value.get<double>()) <= kMaxNumber;
+}
 bool IsTruth(const json& value) { return value.is_boolean(); }
 bool IsList(const json& value) { return value.is_array(); }
 bool IsTextList(const json& value) { return value.is_array() && std::all_of(value.begin(), value.end(), IsText); }
