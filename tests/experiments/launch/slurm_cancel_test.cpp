@@ -16,10 +16,11 @@ using testing::HasSubstr;
 
 class SlurmCancelTest : public SlurmJobs {
  protected:
-  /// Starts jobs in a process that is killed once they run.
+  /// Starts jobs in a process that is killed once they run and the record has the number of their array.
   void Abandon(const std::vector<Job>& jobs) {
     const pid_t head = Fork([&] { Run(jobs); });
     for (const Job& job : jobs) WaitForStart(job.name);
+    ASSERT_TRUE(WaitUntil([&] { return !ReadSlurmRecord(folder_).submissions.at(0).array.empty(); }));
     kill(head, SIGKILL);
     waitpid(head, nullptr, 0);
   }
