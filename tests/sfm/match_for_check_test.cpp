@@ -51,7 +51,7 @@ TEST(MatchForCheck, LeavesMatchesThatFitOrNot) {
   AddPoints(&scene);
   EventRecorder events;
   MatchForCheck(scene, AllViews(scene), dir / "check", events.AsListener());
-  const auto fit = FitPosesOf(scene, AllViews(scene), dir / "check", events.AsListener());
+  const auto fit = FitPosesOf(scene, AllViews(scene), {0, 0, 0}, dir / "check", events.AsListener());
   ASSERT_TRUE(fit.has_value());
   EXPECT_EQ(fit->verdict, PoseVerdict::kFit);
   EXPECT_GT(fit->all.matches, 200);
@@ -65,7 +65,7 @@ TEST(MatchForCheck, LeavesMatchesThatFitOrNot) {
 
   std::swap(scene.views[0].cam_from_world, scene.views[3].cam_from_world);
   std::swap(scene.views[1].cam_from_world, scene.views[2].cam_from_world);
-  const auto wrong = FitPosesOf(scene, AllViews(scene), dir / "check", events.AsListener());
+  const auto wrong = FitPosesOf(scene, AllViews(scene), {0, 0, 0}, dir / "check", events.AsListener());
   ASSERT_TRUE(wrong.has_value());
   EXPECT_EQ(wrong->verdict, PoseVerdict::kHopeless);
   EXPECT_TRUE(wrong->IsExplained());

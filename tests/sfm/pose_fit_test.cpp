@@ -148,11 +148,11 @@ TEST(FitPosesOf, NeedsADatabase) {
   const TempDir dir;
   EventRecorder events;
   const MatchedScene matched = MakeMatchedScene(2, 40);
-  EXPECT_FALSE(FitPosesOf(matched.scene, {0, 1}, dir.path(), events.AsListener()).has_value());
+  EXPECT_FALSE(FitPosesOf(matched.scene, {0, 1}, {0, 0, 0}, dir.path(), events.AsListener()).has_value());
   EXPECT_THAT(events.warnings, IsEmpty());
   std::ofstream(dir / "database.db") << "no database";
   const std::vector<int> none;
-  EXPECT_FALSE(FitPosesOf(matched.scene, none, dir.path(), events.AsListener()).has_value());
+  EXPECT_FALSE(FitPosesOf(matched.scene, none, {0, 0, 0}, dir.path(), events.AsListener()).has_value());
   EXPECT_THAT(events.warnings, ElementsAre(HasSubstr("the given poses are not checked")));
 }
 

@@ -44,11 +44,11 @@ TEST(BestAxes, FindsInversesThatWereMovedSince) {
   GivenCameras given = Given();
   given.cams_from_world = Changed(given.cams_from_world, {Signed(1, 1, 1), true});
   for (Eigen::Isometry3d& pose : given.cams_from_world) pose = pose * moved;
+  given.origin = -moved.translation();
   const ChangeFit best = BestAxes(given);
   EXPECT_GT(best.share, .99);
   EXPECT_TRUE(best.change.inverse);
   EXPECT_EQ(best.change.axes, Signed(1, 1, 1));
-  EXPECT_LT((best.change.origin + moved.translation()).norm(), .1);
 }
 
 TEST(BestFocal, FindsTheFactor) {

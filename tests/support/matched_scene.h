@@ -14,7 +14,7 @@ struct MatchedScene {
   std::vector<StagedView> plan;
   std::vector<VerifiedPair> verified;
 
-  PoseFit Fit() const { return FitPoses(scene, AllViews(scene), plan, verified); }
+  PoseFit Fit() const { return FitPoses(scene, AllViews(scene), plan, verified, {0, 0, 0}); }
   void SetPoses(const std::vector<Eigen::Isometry3d>& cams_from_world) {
     for (size_t i = 0; i < cams_from_world.size(); ++i) scene.views[i].cam_from_world = cams_from_world[i];
   }

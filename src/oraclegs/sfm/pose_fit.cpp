@@ -167,8 +167,9 @@ std::vector<std::string> PoseFit::NamesOff() const {
 }
 
 PoseFit FitPoses(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
-                 const std::vector<VerifiedPair>& verified) {
-  const CheckedViews checked = Gather(scene, views, plan, verified);
+                 const std::vector<VerifiedPair>& verified, const Eigen::Vector3d& origin) {
+  CheckedViews checked = Gather(scene, views, plan, verified);
+  checked.given.origin = origin;
   PoseFit fit;
   Measure(scene, checked, &fit);
   const FitOfView& all = fit.all;
@@ -185,12 +186,12 @@ PoseFit FitPoses(const Scene& scene, const std::vector<int>& views, const std::v
   return fit;
 }
 
-std::optional<PoseFit> FitPosesOf(const Scene& scene, const std::vector<int>& views,
+std::optional<PoseFit> FitPosesOf(const Scene& scene, const std::vector<int>& views, const Eigen::Vector3d& origin,
                                   const std::filesystem::path& work_dir, const Listener& listener) {
   const std::filesystem::path database = work_dir / "database.db";
   if (!IsFile(database)) return std::nullopt;
   try {
-    return FitPoses(scene, views, PlanStaging(scene, views), ReadVerifiedMatches(database, kMinMatchesOfPair));
+    return FitPoses(scene, views, PlanStaging(scene, views), ReadVerifiedMatches(database, kMinMatchesOfPair), origin);
   } catch (const RunError& damage) {
     listener(Warning{fmt::format("{}; the given poses are not checked", damage.what())});
     return std::nullopt;

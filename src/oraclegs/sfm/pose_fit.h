@@ -53,13 +53,14 @@ struct PoseFit {
   std::vector<std::string> NamesOff() const;
 };
 
-/// Holds what colmap verified between the photos of these views against their cameras. `plan` is their staging.
+/// Holds what colmap verified between the photos of these views against their cameras. `plan` is their staging,
+/// `origin` where the coordinates that the poses were given in have theirs, in the scene's.
 PoseFit FitPoses(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
-                 const std::vector<VerifiedPair>& verified);
+                 const std::vector<VerifiedPair>& verified, const Eigen::Vector3d& origin);
 
 /// Fit of the matches that TriangulatePoints left in work_dir; nothing where it left none, with a warning where they
 /// are damaged.
-std::optional<PoseFit> FitPosesOf(const Scene& scene, const std::vector<int>& views,
+std::optional<PoseFit> FitPosesOf(const Scene& scene, const std::vector<int>& views, const Eigen::Vector3d& origin,
                                   const std::filesystem::path& work_dir, const Listener& listener);
 
 }  // namespace oraclegs

@@ -72,40 +72,6 @@ double BoundedError(const std::vector<RayPair>& pairs, const std::vector<Eigen::
   return errors.empty() ? limit : sum / static_cast<double>(errors.size());
 }
 
-/// The origin about which poses that are inverted fit best. The poses and their inverses differ by it: a camera stands
-/// at t + R origin, so that the epipolar constraint of a match is linear in it. Weighted least squares, where a weight
-/// makes the residual an angle and holds down what misses by more than `limit` pixels.
-Eigen::Vector3d FitOrigin(const std::vector<RayPair>& pairs, const std::vector<Eigen::Isometry3d>& cams_from_world,
-                          const Eigen::Matrix3d& axes, double limit) {
-  constexpr int kRounds = 6;
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-  for (int round = 0; round < kRounds; ++round) {
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    for (const RayPair& pair : pairs) {
-      const Eigen::Isometry3d& a = cams_from_world[static_cast<size_t>(pair.a)];
-      const Eigen::Isometry3d& b = cams_from_world[static_cast<size_t>(pair.b)];
-      const Eigen::Vector3d moved = b.translation() - a.translation();
-      const Eigen::Matrix3d turned = b.linear() - a.linear();
-      const Eigen::Vector3d baseline = moved + turned * origin;
-      for (size_t i = 0; i < pair.rays_a.size(); ++i) {
-        const Eigen::Vector3d ray_a = a.linear() * (axes.transpose() * pair.rays_a[i]);
-        const Eigen::Vector3d ray_b = b.linear() * (axes.transpose() * pair.rays_b[i]);
-        const Eigen::Vector3d across = ray_a.cross(ray_b);
-        const double scale2 = baseline.cross(ray_a).squaredNorm() + baseline.cross(ray_b).squaredNorm();
-        if (!(scale2 > 0)) continue;
-        const double pixels = across.dot(baseline) / std::sqrt(scale2) * pair.pixels_per_radian / limit;
-        const double weight = 1 / (scale2 * (1 + pixels * pixels));
-        const Eigen::Vector3d row = turned.transpose() * across;
-        normal += weight * row * row.transpose();
-        right -= weight * across.dot(moved) * row;
-      }
-    }
-    origin = normal.completeOrthogonalDecomposition().solve(right);
-  }
-  return origin;
-}
-
 std::vector<Intrinsics> AllChanged(const std::vector<Intrinsics>& intrinsics, const CameraChange& change) {
   std::vector<Intrinsics> changed;
   for (const Intrinsics& camera : intrinsics) changed.push_back(Changed(camera, change));
@@ -257,7 +223,7 @@ ChangeFit BestAxes(const GivenCameras& given) {
   ChangeFit best;
   best.share = -kAlike;
   for (CameraChange change : AxisChanges()) {
-    if (change.inverse) change.origin = FitOrigin(rays, given.cams_from_world, change.axes, given.limit);
+    if (change.inverse) change.origin = given.origin;
     const double share = FittingShare(rays, Changed(given.cams_from_world, change), given.limit);
     if (share > best.share + kAlike) best = {change, share};
   }

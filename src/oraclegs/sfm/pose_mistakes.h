@@ -35,6 +35,7 @@ struct GivenCameras {
   std::vector<Eigen::Isometry3d> cams_from_world;
   std::vector<ViewPair> pairs;
   double limit = 0;  ///< pixels (of kReferenceSide) within which a match fits
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< that of the given matrices, in the coordinates of the poses
 };
 
 /// The given poses as they are after a change of axes or direction.
@@ -46,8 +47,7 @@ Intrinsics Changed(const Intrinsics& intrinsics, const CameraChange& change);
 double FittingShare(const std::vector<RayPair>& pairs, const std::vector<Eigen::Isometry3d>& cams_from_world,
                     double limit);
 
-/// The best of all changes of axes and direction: turned, mirrored or renamed axes (48), as they are or inverted about
-/// the origin that fits best. The most usual one wins among those that fit alike.
+/// The best of all changes of axes and direction: turned, mirrored or renamed axes (48), as they are or inverted. The most usual one wins among those that fit alike.
 ChangeFit BestAxes(const GivenCameras& given);
 
 /// The best factor of the focal length (1/4 to 4), alone or together with the principal point.

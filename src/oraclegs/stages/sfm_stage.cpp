@@ -55,7 +55,8 @@ nlohmann::json CheckGivenPoses(const Run& run, const std::filesystem::path& matc
   if (!run.photos.empty()) return nullptr;  // colmap found them out of these very matches
   // A model's points came with its poses and fit them: only the photos can tell.
   if (matches != run.workspace.sfm()) MatchForCheck(run.scene, run.split.train, matches, run.listener);
-  const std::optional<PoseFit> fit = FitPosesOf(run.scene, run.split.train, matches, run.listener);
+  const Eigen::Vector3d origin = RunFromScene(run.frame) * Eigen::Vector3d(0, 0, 0);
+  const std::optional<PoseFit> fit = FitPosesOf(run.scene, run.split.train, origin, matches, run.listener);
   if (!fit) return nullptr;
   const std::string misfit = DescribeMisfit(run.scene, *fit);
   if (fit->verdict == PoseVerdict::kHopeless && !run.options.frame.force) {
