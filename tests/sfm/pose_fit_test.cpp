@@ -101,9 +101,15 @@ TEST(FitPoses, NamesAnotherOrder) {
 TEST(FitPoses, NamesPhotosThatStandUpsideDown) {
   for (const std::vector<int>& turned : {std::vector<int>{2}, {1, 2, 5}, {0, 1, 2, 4, 6, 7}}) {
     MatchedScene matched = MakeMatchedScene(8, 40);
-    auto poses = PosesOf(matched);
-    for (const int view : turned) poses[static_cast<size_t>(view)].prerotate(Diagonal(-1, -1, 1));
-    matched.SetPoses(poses);
+    for (VerifiedPair& pair : matched.verified) {
+      for (const int view : turned) {
+        const std::string& name = matched.plan[static_cast<size_t>(view)].name;
+        for (PointMatch& match : pair.matches) {
+          if (pair.first == name) match.a = Eigen::Vector2d(800, 600) - match.a;
+          if (pair.second == name) match.b = Eigen::Vector2d(800, 600) - match.b;
+        }
+      }
+    }
     const PoseFit fit = matched.Fit();
     ASSERT_TRUE(fit.turned.has_value()) << turned.size();
     EXPECT_EQ(fit.turned->views, turned);

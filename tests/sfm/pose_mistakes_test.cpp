@@ -39,6 +39,26 @@ TEST(BestAxes, FindsEachChange) {
   }
 }
 
+TEST(BestAxes, TakesThePrincipalPointAlongWithThePixels) {
+  for (const Eigen::Matrix3d& axes : {Signed(-1, 1, 1), Signed(1, -1, 1), Signed(-1, -1, 1)}) {
+    const CameraChange of_pixels{axes, false, 1, false, true};
+    GivenCameras given = Given();
+    for (ViewPair& pair : given.pairs) {
+      for (PointMatch& match : pair.matches)
+        for (Eigen::Vector2d* pixel : {&match.a, &match.b}) *pixel += Eigen::Vector2d(60, 40);
+    }
+    for (Intrinsics& camera : given.intrinsics) {
+      camera.params[2] += 60, camera.params[3] += 40;
+      camera = Changed(camera, of_pixels);
+    }
+    given.cams_from_world = Changed(given.cams_from_world, of_pixels);
+    const ChangeFit best = BestAxes(given);
+    EXPECT_GT(best.share, .95) << axes;
+    EXPECT_EQ(best.change.axes, axes);
+    EXPECT_TRUE(best.change.is_of_pixels);
+  }
+}
+
 TEST(BestAxes, FindsInversesThatWereMovedSince) {
   const Eigen::Translation3d moved(1.5, -.7, 4);
   GivenCameras given = Given();

@@ -35,11 +35,12 @@ std::vector<CameraChange> AxisChanges() {
   add(Axes(same, 0b110), false);  // between OpenGL and OpenCV
   add(Axes(same, 0), true);
   add(Axes(same, 0b110), true);
-  add(Axes(same, 0b011), false);    // pixels turned by 180 degrees
-  add(Axes(turned, 0b001), false);  // by 90
+  add(Axes(turned, 0b001), false);  // pixels turned by 90 degrees
   add(Axes(turned, 0b010), false);
-  add(Axes(same, 0b001), false);  // mirrored
-  add(Axes(same, 0b010), false);
+  for (const int signs : {0b011, 0b001, 0b010}) {  // turned by 180, mirrored
+    add(Axes(same, signs), false);
+    changes.push_back({Axes(same, signs), false, 1, false, true});
+  }
   add(Axes(same, 0b100), false);
   std::array<int, 3> order = same;
   do {
@@ -72,6 +73,17 @@ double BoundedError(const std::vector<RayPair>& pairs, const std::vector<Eigen::
   return errors.empty() ? limit : sum / static_cast<double>(errors.size());
 }
 
+/// Mirrors a camera of two focal lengths along the axis x (0) or y (1), on which the image has `size` pixels.
+void Mirror(int size, size_t axis, Intrinsics* camera) {
+  std::vector<double>& params = camera->params;
+  params[2 + axis] = size - params[2 + axis];
+  const bool is_thin_prism = camera->model == CameraModel::kThinPrismFisheye;
+  const bool is_tangential =
+      is_thin_prism || camera->model == CameraModel::kOpenCv || camera->model == CameraModel::kFullOpenCv;
+  if (is_tangential) params[7 - axis] *= -1;  // p1 and p2: p2 is odd in x
+  if (is_thin_prism) params[10 + axis] *= -1;
+}
+
 std::vector<Intrinsics> AllChanged(const std::vector<Intrinsics>& intrinsics, const CameraChange& change) {
   std::vector<Intrinsics> changed;
   for (const Intrinsics& camera : intrinsics) changed.push_back(Changed(camera, change));
@@ -83,15 +95,22 @@ class TurnSearch {
  public:
   explicit TurnSearch(const GivenCameras& given) : views_(given.cams_from_world.size()) {
     const double extent = ExtentOf(given.cams_from_world);
-    const Eigen::Matrix3d half_turn = Eigen::Vector3d(-1, -1, 1).asDiagonal();
-    for (const RayPair& pair : RaysOf(Thinned(given.pairs, kMatchesOfPair), given.intrinsics)) {
-      Fits fits{static_cast<size_t>(pair.a), static_cast<size_t>(pair.b), static_cast<double>(pair.rays_a.size()), {}};
+    const CameraChange half_turn{Axes({0, 1, 2}, 0b011), false, 1, false, true};
+    const auto seen_by = [&](size_t view, bool turns) {
+      return turns ? Changed(given.intrinsics[view], half_turn) : given.intrinsics[view];
+    };
+    const auto pose_of = [&](size_t view, bool turns) {
+      Eigen::Isometry3d pose = given.cams_from_world[view];
+      if (turns) pose.prerotate(half_turn.axes);
+      return pose;
+    };
+    for (const ViewPair& pair : Thinned(given.pairs, kMatchesOfPair)) {
+      Fits fits{static_cast<size_t>(pair.a), static_cast<size_t>(pair.b), static_cast<double>(pair.matches.size()), {}};
       for (size_t turned = 0; turned < 4; ++turned) {
-        Eigen::Isometry3d a = given.cams_from_world[fits.a], b = given.cams_from_world[fits.b];
-        if ((turned & 1) != 0) a.prerotate(half_turn);
-        if ((turned & 2) != 0) b.prerotate(half_turn);
+        const bool turns_a = (turned & 1) != 0, turns_b = (turned & 2) != 0;
+        const auto rays = RaysOf({{0, 1, pair.matches}}, {seen_by(fits.a, turns_a), seen_by(fits.b, turns_b)});
         std::vector<double> errors;
-        AppendErrors(pair, MotionBetween(a, b, extent), &errors);
+        AppendErrors(rays.front(), MotionBetween(pose_of(fits.a, turns_a), pose_of(fits.b, turns_b), extent), &errors);
         fits.fits[turned] = ShareBelow(errors, given.limit) * fits.matches;
       }
       pairs_.push_back(fits);
@@ -210,6 +229,8 @@ Intrinsics Changed(const Intrinsics& intrinsics, const CameraChange& change) {
   Intrinsics changed =
       Resized(intrinsics, intrinsics.width, intrinsics.height);  // of two focal lengths: fx, fy, cx, cy
   for (size_t i = 0; i < (change.is_other_resolution ? 4 : 2); ++i) changed.params[i] *= change.focal_factor;
+  if (change.is_of_pixels && change.axes(0, 0) < 0) Mirror(changed.width, 0, &changed);
+  if (change.is_of_pixels && change.axes(1, 1) < 0) Mirror(changed.height, 1, &changed);
   return changed;
 }
 
@@ -219,12 +240,14 @@ double FittingShare(const std::vector<RayPair>& pairs, const std::vector<Eigen::
 }
 
 ChangeFit BestAxes(const GivenCameras& given) {
-  const std::vector<RayPair> rays = RaysOf(Thinned(given.pairs, kMatchesOfPair), given.intrinsics);
+  const std::vector<ViewPair> pairs = Thinned(given.pairs, kMatchesOfPair);
+  const std::vector<RayPair> rays = RaysOf(pairs, given.intrinsics);
   ChangeFit best;
   best.share = -kAlike;
   for (CameraChange change : AxisChanges()) {
     if (change.inverse) change.origin = given.origin;
-    const double share = FittingShare(rays, Changed(given.cams_from_world, change), given.limit);
+    const double share = FittingShare(change.is_of_pixels ? RaysOf(pairs, AllChanged(given.intrinsics, change)) : rays,
+                                      Changed(given.cams_from_world, change), given.limit);
     if (share > best.share + kAlike) best = {change, share};
   }
   return best;

@@ -18,6 +18,7 @@ struct CameraChange {
   bool inverse = false;              ///< the matrices map the other way
   double focal_factor = 1;           ///< on the focal lengths
   bool is_other_resolution = false;  ///< the factor is on the principal point, too
+  bool is_of_pixels = false;         ///< the photos were turned or mirrored: their principal points with them
   /// Where the inverted matrices have their origin, in the coordinates of the poses: a frame may have moved these
   /// since.
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
@@ -34,7 +35,7 @@ struct GivenCameras {
   std::vector<Intrinsics> intrinsics;
   std::vector<Eigen::Isometry3d> cams_from_world;
   std::vector<ViewPair> pairs;
-  double limit = 0;  ///< pixels (of kReferenceSide) within which a match fits
+  double limit = 0;                                  ///< pixels (of kReferenceSide) within which a match fits
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< that of the given matrices, in the coordinates of the poses
 };
 
@@ -47,7 +48,8 @@ Intrinsics Changed(const Intrinsics& intrinsics, const CameraChange& change);
 double FittingShare(const std::vector<RayPair>& pairs, const std::vector<Eigen::Isometry3d>& cams_from_world,
                     double limit);
 
-/// The best of all changes of axes and direction: turned, mirrored or renamed axes (48), as they are or inverted. The most usual one wins among those that fit alike.
+/// The best of all changes of axes and direction: turned, mirrored or renamed axes (48), as they are or inverted. The
+/// most usual one wins among those that fit alike.
 ChangeFit BestAxes(const GivenCameras& given);
 
 /// The best factor of the focal length (1/4 to 4), alone or together with the principal point.
