@@ -42,7 +42,7 @@ target_precompile_headers(oraclegs_pch PRIVATE <Eigen/Core> <Eigen/Geometry> <fm
 set_target_properties(oraclegs_pch PROPERTIES CXX_COMPILER_LAUNCHER "${ORACLEGS_CCACHE_OF_HEADERS}")
 
 # Files that Highway compiles once an instruction set share nothing: no translation unit with others (CMAKE_UNITY_BUILD, which
-# the presets but debug set: a cold build takes a third of the time), and no precompiled header, after which GCC 12 refuses the
+# the presets but dev set: a cold build takes a third of the time), and no precompiled header, after which GCC 12 refuses the
 # constants of intrinsics in code that is not optimized.
 function(oraclegs_keep_kernels_alone)
   foreach(source ${ARGN})

@@ -1,18 +1,37 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds, checks the format and the house rules, runs every test.
-#   scripts/test.sh                  what a change has to pass
-#   scripts/test.sh -R render        arguments go to ctest
-#   scripts/test.sh --all            what CI runs: then also sanitizers, fuzzers, clang-tidy, and the device code compiled
-#                                    with nvcc where there is one
-# CI=true: plain output, warnings are errors, and what does not fit into 45 minutes is left out, which is said.
+#   scripts/test.sh                        what a change has to pass: the stage release
+#   scripts/test.sh -R render              arguments go to ctest
+#   scripts/test.sh --all                  what CI runs: every stage but long
+#   scripts/test.sh --stage asan --stage tidy    these stages:
+#     release  builds and tests everything
+#     asan     address and undefined-behavior sanitizers on the floors below settings; then each fuzzer for some seconds
+#     tsan     the thread sanitizer on the floors with threads
+#     tidy     clang-tidy
+#     dev      the floors of the engine, each file on its own and without precompiled headers
+#     cuda     compiles the device code with nvcc; running it needs a GPU
+#     long     minutes a fuzzer, the growth of parsers, all tests of the preset dev; not in --all
+# A stage that cannot run fails. CI=true: plain output, warnings are errors.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-all=
-if [[ ${1:-} == --all ]]; then
-  all=yes
+all_stages=(release asan tsan tidy dev cuda)
+stages=()
+while [[ ${1:-} == --all || ${1:-} == --stage ]]; do
+  if [[ $1 == --all ]]; then
+    stages=("${all_stages[@]}")
+  else
+    [[ " ${all_stages[*]} long " == *" ${2:-} "* && -n ${2:-} ]] || {
+      echo "scripts/test.sh: --stage ${2:-}: give one of ${all_stages[*]} long" >&2
+      exit 2
+    }
+    stages+=("$2")
+    shift
+  fi
   shift
-fi
+done
+((${#stages[@]} > 0)) || stages=(release)
+
 configure=()
 if [[ ${CI:-} == true ]]; then
   configure+=(-DORACLEGS_WERROR=ON)
@@ -22,33 +41,29 @@ PATH=$PATH:/usr/local/cuda/bin
 
 step() { echo "== $1 ($((SECONDS / 60)):$(printf %02d $((SECONDS % 60))))"; }
 
-# within MINUTES PRESET: whether that much has not passed yet; CI stops after 45 minutes, a person waits.
-left_out=
-within() {
-  [[ ${CI:-} != true ]] || ((SECONDS < 60 * $1)) || {
-    left_out+="${left_out:+, }$2"
-    return 1
-  }
-}
-
-# run PRESET CTEST_ARGUMENTS...: configures, builds, tests.
-run() {
+# build PRESET TARGET...: configures and builds; everything without a target.
+build() {
   local preset=$1
   shift
-  step "preset $preset"
+  step "build $preset"
   cmake --preset "$preset" "${configure[@]}" >/dev/null
-  cmake --build --preset "$preset" --parallel "$(nproc)"
+  cmake --build --preset "$preset" --parallel "$(nproc)" ${1:+--target} "$@"
+}
+
+# run_tests PRESET CTEST_ARGUMENTS...
+run_tests() {
+  local preset=$1
+  shift
+  step "test $preset"
   ctest --preset "$preset" --parallel "$(nproc)" --no-tests=error "$@"
 }
 
-# check PRESET SUITE...: the same of some test programs alone.
+# check PRESET SUITE...: builds and runs some test programs alone.
 check() {
   local preset=$1
   shift
-  step "preset $preset"
-  cmake --preset "$preset" "${configure[@]}" >/dev/null
-  cmake --build --preset "$preset" --parallel "$(nproc)" --target "${@/%/_tests}"
-  ctest --preset "$preset" --parallel "$(nproc)" --no-tests=error -R "^($(IFS='|'; echo "$*"))\$"
+  build "$preset" "${@/%/_tests}"
+  run_tests "$preset" -R "^($(IFS='|'; echo "$*"))\$"
 }
 
 # Folders with npm packages that tests run; npm writes the list of what it has installed.
@@ -65,33 +80,58 @@ install_npm_packages() {
   done
 }
 
-scripts/bootstrap.sh
-install_npm_packages
-scripts/format.sh --check
-python3 scripts/check_house_test.py --quiet
-cmake --preset release "${configure[@]}" >/dev/null
-python3 scripts/check_house.py
-run release "$@"
-[[ -n $all ]] || exit 0
+stage_release() {
+  install_npm_packages
+  scripts/format.sh --check
+  python3 scripts/check_house_test.py --quiet
+  cmake --preset release "${configure[@]}" >/dev/null
+  python3 scripts/check_house.py
+  build release
+  run_tests release "$@"
+}
 
 # The floors below settings, where the parsers and the kernels are.
 floors=(core image camera scene sfm demo depth gaussians formats render loss train propose weights web mesh)
-threaded=(core depth render loss train propose web)
-if within 20 asan; then
+stage_asan() {
   check asan "${floors[@]}" cuda
   step "fuzzers"
-  scripts/fuzz.sh --seed 1
-fi
-if within 32 tsan; then check tsan "${threaded[@]}"; fi
-if within 36 tidy; then
+  scripts/fuzz.sh --seed 1 --seconds 8
+}
+
+stage_tsan() { check tsan core depth render loss train propose web; }
+
+stage_tidy() {
   step "clang-tidy"
   scripts/tidy.sh
-fi
-if command -v nvcc >/dev/null && within 39 cuda; then  # for a real device; running it needs a GPU
-  step "preset cuda"
-  cmake --preset cuda -DORACLEGS_APPS=OFF -DCMAKE_CUDA_ARCHITECTURES=90 "${configure[@]}" >/dev/null
-  cmake --build --preset cuda --parallel "$(nproc)" --target cuda_tests gpu_bench
+}
+
+stage_dev() {
+  local engine=(core image camera scene depth gaussians formats render loss train)
+  step "build dev, each file on its own"
+  cmake --preset dev -B build/alone -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON -DCMAKE_CXX_FLAGS_DEBUG=-O0 "${configure[@]}" >/dev/null
+  cmake --build build/alone --parallel "$(nproc)" --target "${engine[@]/#/oraclegs_}"
+}
+
+stage_cuda() {
+  command -v nvcc >/dev/null || {
+    echo "scripts/test.sh: the stage cuda needs nvcc, of the CUDA toolkit 12 or later; --stage names the others" >&2
+    exit 1
+  }
+  configure+=(-DORACLEGS_APPS=OFF -DCMAKE_CUDA_ARCHITECTURES=90)
+  build cuda cuda_tests gpu_bench
   build/cuda/bin/cuda_tests --gtest_brief=1 | tail -n 3
   python3 scripts/device_code.py --check
-fi
-step "passed${left_out:+, without $left_out}"
+}
+
+stage_long() {
+  step "fuzzers"
+  scripts/fuzz.sh --seconds 300
+  build release parser_growth_bench
+  build/release/bin/parser_growth_bench
+  build dev
+  run_tests dev
+}
+
+scripts/bootstrap.sh
+for stage in "${stages[@]}"; do "stage_$stage" "$@"; done
+step "passed ${stages[*]}"
