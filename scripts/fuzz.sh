@@ -6,6 +6,7 @@
 #   scripts/fuzz.sh --seconds 300      longer; --hours 8 divides the time over the targets; --seed 1 repeats the inputs
 #   scripts/fuzz.sh --coverage         lines of the parsers that the corpus reaches, and the rest
 #   scripts/fuzz.sh --merge            adds to the corpus what was found and reaches new code
+#   scripts/fuzz.sh --pack ply         writes tests/fuzz/corpus/ply.zip from build/asan/fuzz_corpus/ply
 # What is found is kept in build/fuzz/ and is where the next run goes on.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -16,14 +17,14 @@ while (($# > 0)); do
     --seconds) seconds=$2; shift ;;
     --seed) seed=$2; shift ;;
     --hours) hours=$2; shift ;;
-    --coverage | --merge) mode=${1#--} ;;
-    -*) sed -n '2,9s/^# \?//p' "$0" >&2; exit 2 ;;
+    --coverage | --merge | --pack) mode=${1#--} ;;
+    -*) sed -n '2,10s/^# \?//p' "$0" >&2; exit 2 ;;
     *) targets+=("$1") ;;
   esac
   shift
 done
 
-corpus=tests/fuzz/corpus work=build/fuzz bin=build/asan/bin/fuzz
+corpus=build/asan/fuzz_corpus work=build/fuzz bin=build/asan/bin/fuzz
 jobs=2
 ((${#targets[@]} > 0)) || mapfile -t targets < <(ls tests/fuzz | sed -n 's/_fuzz\.cpp$//p')
 for target in "${targets[@]}"; do
@@ -53,13 +54,23 @@ coverage() {
   cmake --preset asan -B $build -DORACLEGS_SANITIZE= -DORACLEGS_FUZZ=OFF -DCMAKE_BUILD_TYPE=Debug -DORACLEGS_PYTHON=OFF \
     -DCMAKE_CXX_FLAGS='-fprofile-instr-generate -fcoverage-mapping' >/dev/null
   cmake --build $build --parallel $jobs --target fuzz_replay
-  LLVM_PROFILE_FILE=$build/replay.profraw $build/bin/fuzz_replay $corpus
+  LLVM_PROFILE_FILE=$build/replay.profraw $build/bin/fuzz_replay $build/fuzz_corpus
   local llvm; llvm=$(dirname "$(readlink -f "$(command -v clang++)")")
   "$llvm/llvm-profdata" merge -sparse $build/replay.profraw -o $build/replay.profdata
   local sources; mapfile -t sources < <(sed '/^#/d; s/ .*//' tests/fuzz/parsers.txt)
   local objects=($build/bin/fuzz_replay -object $build/lib/liboraclegs_core.so)
   "$llvm/llvm-cov" export -format=lcov -instr-profile $build/replay.profdata "${objects[@]}" "${sources[@]}" >$build/lines.txt
   python3 tests/fuzz/coverage.py $build/lines.txt tests/fuzz/parsers.txt
+}
+
+# The same bytes for the same files.
+pack() {
+  python3 - "$corpus/$1" "tests/fuzz/corpus/$1.zip" <<'PACK'
+import pathlib, sys, zipfile
+with zipfile.ZipFile(sys.argv[2], "w") as archive:
+    for path in sorted(pathlib.Path(sys.argv[1]).iterdir()):
+        archive.writestr(zipfile.ZipInfo(path.name), path.read_bytes(), zipfile.ZIP_DEFLATED, 9)
+PACK
 }
 
 build() {
@@ -107,6 +118,7 @@ fuzz() {
 
 case $mode in
   coverage) coverage; exit ;;
+  pack) for target in "${targets[@]}"; do pack "$target"; done; exit ;;
   merge)
     build
     for target in "${targets[@]}"; do
@@ -115,6 +127,7 @@ case $mode in
       mkdir -p "$TMPDIR/$target" "$work/corpus/$target"
       find "$work/corpus/$target" -type f -size -5k -exec cp -t "$TMPDIR/$target" {} +
       "$bin/${target}_fuzz" "${options[@]}" -set_cover_merge=1 -use_counters=0 "$corpus/$target" "$TMPDIR/$target" >/dev/null 2>&1
+      pack "$target"
       echo "$target: $(find "$corpus/$target" -type f | wc -l) files, $(du -sk --apparent-size "$corpus/$target" | cut -f1) kB"
     done
     exit

@@ -20,7 +20,7 @@ for fuzzer in "$build"/bin/fuzz/*_fuzz; do
   cp "$fuzzer" "$OUT/"
   # The libraries of Debian that it is linked to, which the machine that runs it lacks.
   ldd "$fuzzer" | sed -n 's/.*=> \(\/[^ ]*\) .*/\1/p' | grep -v -e '/libc\.' -e '/libm\.' -e '/ld-' | xargs -r cp -nL -t "$OUT/lib/"
-  (cd "$source_dir/tests/fuzz/corpus/$target" && python3 -m zipfile -c "$OUT/${name}_seed_corpus.zip" ./*)
+  cp "$source_dir/tests/fuzz/corpus/$target.zip" "$OUT/${name}_seed_corpus.zip"
   if [[ -f $source_dir/tests/fuzz/dictionaries/$target.dict ]]; then
     cp "$source_dir/tests/fuzz/dictionaries/$target.dict" "$OUT/$name.dict"
   fi
