@@ -12,7 +12,7 @@
 namespace oraclegs {
 
 /// The options with everything that is automatic settled, by the images and what stereo found in them; what differs
-/// from scene to scene is reported. docs/benchmarks.md has the measurements behind the choices.
+/// from scene to scene is reported.
 TrainOptions SettleTrainOptions(TrainOptions options, const TrainingViews& training, const Geometry& geometry,
                                 const Listener& listener);
 
