@@ -15,7 +15,7 @@ const Spread& Psnr(const BenchRow& row) { return *row.value[0]; }
 
 TEST(BenchRows, AreScenesThenMeansThenWhatIsQuoted) {
   const auto rows = BenchRows(ExampleBench());
-  ASSERT_EQ(rows.size(), 4u + 2 + 6);
+  ASSERT_EQ(rows.size(), 4u + 2 + 10);
   EXPECT_EQ(rows[0].scene, "garden");
   EXPECT_DOUBLE_EQ(Psnr(rows[0]).mean, 20.5);
   EXPECT_NEAR(*Psnr(rows[0]).deviation, 0.7071, 1e-4);
@@ -23,7 +23,7 @@ TEST(BenchRows, AreScenesThenMeansThenWhatIsQuoted) {
   EXPECT_TRUE(rows[4].is_mean());
   EXPECT_DOUBLE_EQ(Psnr(rows[4]).mean, 22) << "of 21 and 23, the means of seeds 0 and 1";
   EXPECT_NEAR(*Psnr(rows[4]).deviation, 1.4142, 1e-4);
-  EXPECT_EQ(rows[6].label, "3DGS");
+  EXPECT_EQ(rows[6].label, "Mip-NeRF 360");
   EXPECT_NE(rows[6].source, "");
 }
 
