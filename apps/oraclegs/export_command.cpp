@@ -12,7 +12,8 @@ struct ExportFile {
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
-    visit("out", self.out, "The file to write: .ply, .compressed.ply, .spz, .sog, .splat, .glb or .spz.glb");
+    static const std::string help = "The file to write: " + SplatExtensions();
+    visit("out", self.out, help.c_str());
   }
 };
 
@@ -32,14 +33,14 @@ class ExportCommand : public Command {
     RequireOut(file_.out);
     const bool workspace = IsWorkspace(input_);
     const auto splat = workspace ? WorkspacePaths(input_).point_cloud() : input_;
-    CheckExport(splat, file_.out, options_);
+    CheckExport({splat, file_.out}, options_);
     if (workspace) RequireOutsideScene(std::filesystem::absolute(file_.out).parent_path(), ReadSavedRun(input_).scene);
     std::optional<ExportCameras> cameras;
     // An up of the user's choice goes by the cameras where there are any; nothing else asks for them.
     if (workspace && (NeedsCameras(options_) || !options_.up.empty())) cameras = CamerasOf(listener);
-    const ExportResult result = ExportSplat(splat, file_.out, options_, cameras, listener);
+    const ExportResult result = ExportSplat({splat, file_.out}, options_, cameras, listener);
     Print(fmt::format("splat      {} ({}, {:.2f} MB, {} of {} Gaussians, SH degree {})", file_.out.string(),
-                      ExtensionOf(result.format), static_cast<double>(result.bytes) / 1e6, result.after, result.before,
+                      result.extension, static_cast<double>(result.bytes) / 1e6, result.after, result.before,
                       result.sh_degree));
   }
 

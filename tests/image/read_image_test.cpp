@@ -1,8 +1,15 @@
 #include "oraclegs/image/read_image.h"
 
+#include <fstream>
+#include <utility>
+
 #include "image/jpeg_files.h"
 #include "image/photo_files.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/image/heif.h"
+#include "oraclegs/image/jpeg.h"
 #include "oraclegs/image/png.h"
+#include "oraclegs/image/tiff.h"
 #include "support/errors.h"
 #include "support/temp_dir.h"
 
@@ -46,6 +53,65 @@ TEST(ReadImage, ReadsWhatPhonesAndScannersWrite) {
     ReadImageSize(dir / name, &width, &height);
     EXPECT_EQ(width, 32) << name;
     EXPECT_EQ(height, 24) << name;
+  }
+}
+
+using Side = std::pair<int, int>;
+
+TEST(ReadImageSize, NoHeadOfAFileSaysAnotherSize) {
+  const TempDir dir;
+  const Image8 image = SmoothImage(32, 24, 3);
+  EncodeTiff(dir / "a.tif", image);
+  struct {
+    std::string bytes;
+    void (*read)(std::string_view, Side*);
+  } const kinds[] = {
+      {WithOrientation(EncodeJpeg(image), 8),
+       [](std::string_view b, Side* s) { ReadJpegSize(b, "f", Orientation::kUpright, &s->first, &s->second); }},
+      {EncodeHeif(image, PhoneExif(6)),
+       [](std::string_view b, Side* s) { ReadHeifSize(b, "f", &s->first, &s->second); }},
+      {ReadFile(dir / "a.tif"),
+       [](std::string_view b, Side* s) { ReadTiffSize(b, "f", Orientation::kUpright, &s->first, &s->second); }}};
+  for (const auto& kind : kinds) {
+    Side whole;
+    kind.read(kind.bytes, &whole);
+    for (size_t n = 0; n < kind.bytes.size(); ++n) {
+      Side size;
+      const std::string_view head = std::string_view(kind.bytes).substr(0, n);
+      const bool is_refused = !MessageOf<InputError>([&] { kind.read(head, &size); }).empty();
+      EXPECT_TRUE(is_refused || size == whole) << n << " of " << kind.bytes.size();
+    }
+  }
+}
+
+/// Bytes that this process has read from files.
+int64_t BytesRead() {
+  std::ifstream io("/proc/self/io");
+  std::string name;
+  int64_t bytes = 0;
+  io >> name >> bytes;
+  return name == "rchar:" ? bytes : -1;
+}
+
+TEST(ReadImageSize, ReadsTheBeginningOfAFile) {
+  const TempDir dir;
+  Image8 noise = SmoothImage(1500, 1000, 3);
+  for (size_t i = 0; i < noise.data.size(); ++i) noise.data[i] = static_cast<uint8_t>(i * i * 2654435761u >> 13);
+  WritePng(dir / "a.png", noise);
+  std::string jpeg = CompressJpeg(noise, 99);
+  WriteText(dir / "a.jpg", jpeg);
+  // 70 000 bytes of notes before the size, as color profiles and previews are.
+  std::string notes;
+  for (int i = 0; i < 2; ++i) notes += std::string("\xFF\xED\x88\xBA", 4) + std::string(0x88BA - 2, 'x');
+  WriteText(dir / "notes.jpg", jpeg.insert(2, notes));
+  for (const auto& [name, most] :
+       {std::pair("a.png", 64 << 10), std::pair("a.jpg", 64 << 10), std::pair("notes.jpg", (1 << 20) + (64 << 10))}) {
+    ASSERT_GT(std::filesystem::file_size(dir / name), 2u << 20) << name;
+    const int64_t before = BytesRead();
+    Side size;
+    ReadImageSize(dir / name, &size.first, &size.second);
+    EXPECT_EQ(size, Side(1500, 1000)) << name;
+    EXPECT_LE(BytesRead() - before, most + 16384) << name;
   }
 }
 

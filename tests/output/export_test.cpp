@@ -1,6 +1,8 @@
 #include "oraclegs/output/export.h"
 
 #include <cmath>
+#include <iterator>
+#include <sstream>
 
 #include "oraclegs/camera/camera_path.h"
 #include "oraclegs/core/files.h"
@@ -42,7 +44,7 @@ std::vector<float> PlacesLeft(const GaussianPly& splat, const ExportOptions& opt
 }
 
 ExportResult Export(const std::filesystem::path& from, const std::filesystem::path& to, const ExportOptions& options) {
-  return ExportSplat(from, to, options, std::nullopt, Silent());
+  return ExportSplat({from, to}, options, std::nullopt, Silent());
 }
 
 TEST(Pruned, KeepsAllByDefault) { EXPECT_EQ(PlacesLeft(RowSplat(4), {}).size(), 4u); }
@@ -97,7 +99,7 @@ TEST(ExportSplat, KeepsCommentsOrSaysThatItCannot) {
   Export(temp / "in.ply", temp / "out.ply", {});
   EXPECT_THAT(ReadGaussianPly(temp / "out.ply").comments, testing::ElementsAre("not for commercial use: made with X"));
   EventRecorder events;
-  ExportSplat(temp / "in.ply", temp / "out.spz", {}, std::nullopt, events.AsListener());
+  ExportSplat({temp / "in.ply", temp / "out.spz"}, {}, std::nullopt, events.AsListener());
   EXPECT_THAT(events.notes, testing::Contains(testing::HasSubstr("not for commercial use: made with X")));
 }
 
@@ -114,7 +116,7 @@ TEST(ExportSplat, TurnsUpToTheFilesAxisAndScales) {
   Export(temp / "in.ply", temp / "y.glb", {.up = "y"});
   EXPECT_NEAR(ReadSplat(temp / "y.glb").gaussians.means[1], -2, 1e-5);
   const ExportCameras cameras{{Eigen::Vector3d::Zero(), 1}, Eigen::Vector3d::UnitX()};
-  ExportSplat(temp / "in.ply", temp / "x.ply", {.up = "auto"}, cameras, Silent());
+  ExportSplat({temp / "in.ply", temp / "x.ply"}, {.up = "auto"}, cameras, Silent());
   EXPECT_NEAR(ReadSplat(temp / "x.ply").gaussians.means[0], -2, 1e-5);  // x has become -y, and -y -x
 }
 
@@ -162,11 +164,53 @@ TEST(ExportSplat, SaysWhatItReadsAndCannotWrite) {
   g.means[3] = NAN;
   WriteGaussianPly(temp / "in.ply", g, 0, {kAntialiasedComment});
   EventRecorder recorder;
-  const ExportResult result = ExportSplat(temp / "in.ply", temp / "out.sog", {}, std::nullopt, recorder.AsListener());
+  const ExportResult result = ExportSplat({temp / "in.ply", temp / "out.sog"}, {}, std::nullopt, recorder.AsListener());
   EXPECT_EQ(result.before, 19);
   EXPECT_EQ(result.after, 19);
   EXPECT_THAT(recorder.warnings, testing::ElementsAre(testing::HasSubstr("in.ply: 1 of 20 Gaussians"),
                                                       testing::HasSubstr("out.sog: .sog cannot say")));
+}
+
+/// A format of the smallest kind, which is one row: positions as text, z up, nothing else kept.
+std::string EncodePlaces(const GaussianPly& splat) {
+  std::string text;
+  for (const float x : splat.gaussians.means.span()) text += fmt::format("{} ", x);
+  return text;
+}
+
+GaussianPly DecodePlaces(std::string_view bytes, const std::string&) {
+  std::istringstream stream{std::string(bytes)};
+  const std::vector<float> places{std::istream_iterator<float>(stream), {}};
+  GaussianPly splat{Gaussians::Zeros(static_cast<int64_t>(places.size() / 3)), 0};
+  std::copy(places.begin(), places.end(), splat.gaussians.means.data());
+  for (int64_t i = 0; i < splat.gaussians.size(); ++i) splat.gaussians.quats[4 * i] = 1;
+  return splat;
+}
+
+TEST(ExportSplat, TakesAnotherRowLikeItsOwn) {
+  const TempDir temp;
+  std::vector<SplatFormat> formats = SplatFormats();
+  formats.push_back({.extension = ".places.ply",
+                     .promise = {0, 1e-4f, 0, 0.4f, 0.6f, 0, 0},
+                     .half_turn = 2 | 4,
+                     .max_sh_degree = 0,
+                     .decode = DecodePlaces,
+                     .encode = EncodePlaces});
+  Gaussians g = Gaussians::Zeros(2);
+  g.means[1] = -2;  // two up
+  g.quats[0] = g.quats[4] = 1;
+  WriteGaussianPly(temp / "in.ply", g, 2, {"not for commercial use: made with X"});
+  EventRecorder events;
+  const ExportResult result =
+      ExportSplat({temp / "in.ply", temp / "out.places.ply", formats}, {.up = "y"}, std::nullopt, events.AsListener());
+  EXPECT_EQ(result.extension, ".places.ply");
+  EXPECT_EQ(result.sh_degree, 0);
+  EXPECT_THAT(events.notes, testing::Contains(testing::HasSubstr(".places.ply has no room for a comment")));
+  const GaussianPly read = ReadSplat(temp / "out.places.ply", Silent(), formats);
+  ASSERT_EQ(read.gaussians.size(), 2);
+  EXPECT_EQ(read.gaussians.means[1], -2) << "y of the file is up, as -y of the program is";
+  EXPECT_THAT(MessageOf<UsageError>([&] { SplatFormatOf("a.b", formats); }),
+              testing::HasSubstr(".spz.glb or .places.ply"));
 }
 
 TEST(ExportSplat, RefusesWhatScalingMakesInfinite) {
@@ -189,7 +233,7 @@ TEST(ExportSplat, AutoNeedsCameras) {
   EXPECT_THAT(MessageOf<UsageError>([&] { Export(temp / "in.ply", temp / "o.ply", {.up = "auto"}); }),
               testing::HasSubstr("--up auto needs"));
   const ExportCameras cameras{{Eigen::Vector3d(3, 0, 0), 1}, -Eigen::Vector3d::UnitY()};
-  EXPECT_EQ(ExportSplat(temp / "in.ply", temp / "o.ply", {.crop = "auto"}, cameras, Silent()).after, 2);
+  EXPECT_EQ(ExportSplat({temp / "in.ply", temp / "o.ply"}, {.crop = "auto"}, cameras, Silent()).after, 2);
 }
 
 TEST(ExportSplat, TurnedModelLooksTheSameFromATurnedCamera) {
@@ -221,14 +265,14 @@ TEST(CheckExport, RefusesBeforeAnythingIsRead) {
   const TempDir temp;
   WriteGaussianPly(temp / "in.ply", Row(4));
   const auto error = [&](const std::filesystem::path& to) {
-    return MessageOf<UsageError>([&] { CheckExport(temp / "in.ply", to, {}); });
+    return MessageOf<UsageError>([&] { CheckExport({temp / "in.ply", to}, {}); });
   };
   EXPECT_THAT(error(temp.path()), testing::HasSubstr("is a folder; name the file to write"));
   EXPECT_THAT(error("there/"), testing::HasSubstr("is a folder; name the file to write"));
   EXPECT_THAT(error("scene.obj"), testing::HasSubstr(".compressed.ply"));
   EXPECT_THAT(error(temp / "in.ply"), testing::HasSubstr("is the input itself"));
-  EXPECT_THROW(CheckExport(temp / "in.ply", temp / "a.ply", {.scale = 0}), UsageError);
-  EXPECT_THROW(CheckExport(temp / "in.ply", temp / "a.ply", {.up = "q"}), UsageError);
+  EXPECT_THROW(CheckExport({temp / "in.ply", temp / "a.ply"}, {.scale = 0}), UsageError);
+  EXPECT_THROW(CheckExport({temp / "in.ply", temp / "a.ply"}, {.up = "q"}), UsageError);
 }
 
 }  // namespace

@@ -1,6 +1,10 @@
 #include "oraclegs/stages/run_stage.h"
 
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/plural.h"
 #include "oraclegs/stages/stage_clock.h"
+#include "oraclegs/stages/stage_table.h"
+#include "oraclegs/workspace/stage_records.h"
 #include "run/fixtures.h"
 #include "support/event_recorder.h"
 #include "support/temp_dir.h"
@@ -70,6 +74,34 @@ TEST_F(RunStageTest, MakesWhatIsNeededOnceAndReadsItBack) {
   RunStage(&run, stages, "d");
   EXPECT_THAT(made, IsEmpty());
   EXPECT_THAT(loaded, ElementsAre("a", "b", "c", "d"));
+}
+
+/// A stage of the smallest kind, with everything that a row says of it.
+Stage ToyStage() {
+  return {"toy",
+          1,
+          {"a"},
+          {.wanted = [](const Run&) { return true; },
+           .own = [](Run* run, Fingerprint* key) { key->Add(static_cast<double>(run->options.start.seed)); },
+           .undo = [](Run* run, const nlohmann::json&) { std::filesystem::remove(run->workspace.root() / "toy.txt"); },
+           .make = [](Run* run, const std::string&) -> std::optional<nlohmann::json> {
+             WriteFileAtomically(run->workspace.root() / "toy.txt", "toy");
+             return nlohmann::json{{"files", {"toy.txt"}}, {"letters", 3}};
+           },
+           .file = "toy.txt",
+           .summary = [](const nlohmann::json& r) { return Counted(CountIn(r, "letters"), "letter"); },
+           .seconds = [](const EstimateInput&) { return 1.; }}};
+}
+
+TEST_F(RunStageTest, TakesAnotherRowLikeItsOwn) {
+  stages.push_back(ToyStage());
+  RunStage(&run, stages, "toy");
+  EXPECT_TRUE(std::filesystem::exists(temp / "out" / "toy.txt"));
+  EXPECT_TRUE(IsUpToDate(&run, stages, "toy"));
+  const nlohmann::json records = ReadStageRecords(temp / "out");
+  EXPECT_THAT(StageTable({stages.back()}, nlohmann::json::object(), records), testing::HasSubstr("3 letters"));
+  run.options.start.seed = 7;
+  EXPECT_FALSE(IsUpToDate(&run, stages, "toy"));
 }
 
 TEST_F(RunStageTest, MakesAgainWhatItsInputsReach) {

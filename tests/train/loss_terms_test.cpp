@@ -133,6 +133,12 @@ TEST(LossPlan, CorrelatesDepthAsFsgsAndSparseGsDo) {
   EXPECT_DOUBLE_EQ(sparsegs.begin()[2].weight, 0.15);
 }
 
+TEST(LossTerms, RefusesMoreThanItHolds) {
+  LossTerms terms;
+  for (int i = 0; i < LossTerms::kMaxTerms; ++i) terms.Add({TermKind::kAlpha});
+  EXPECT_THROW(terms.Add({TermKind::kAlpha}), ShapeError);
+}
+
 TEST(LossPlan, RefusesViewsThatDoNotFit) {
   EXPECT_THROW(LossPlan(Options(), {{}, {Complete("proposal", 3)}}), UsageError);
   TrainView proposal = Complete("proposal", 3);

@@ -8,6 +8,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/function_ref.h"
 #include "oraclegs/image/heif.h"
 #include "oraclegs/image/jpeg.h"
 #include "oraclegs/image/png.h"
@@ -19,7 +20,8 @@ namespace {
 
 constexpr uint64_t kMaxFileBytes = uint64_t{1} << 31;  // an image of the largest size without compression
 
-constexpr size_t kHeadBytes = size_t{1} << 18;  // where the headers of a JPEG and a PNG are
+// The headers of most images are in the first of these, large EXIF blocks and color profiles of a JPEG in the second.
+constexpr size_t kHeads[] = {size_t{64} << 10, size_t{1} << 20};
 
 [[noreturn]] void RefuseFormat(const std::string& bytes, const std::string& file) {
   if (bytes.empty()) throw InputError("{}: is empty; copy the image again", file);
@@ -34,6 +36,22 @@ void SizeOf(const std::string& bytes, const std::string& file, Orientation orien
   if (IsWebp(bytes)) return ReadWebpSize(bytes, file, orientation, width, height);
   if (IsTiff(bytes)) return ReadTiffSize(bytes, file, orientation, width, height);
   RefuseFormat(bytes, file);
+}
+
+/// Calls `read` with the beginning of a file where that `suffices`, and with all of it where it does not or is found
+/// damaged.
+void ReadBeginning(const std::filesystem::path& path, FunctionRef<bool(const std::string&)> suffices,
+                   FunctionRef<void(const std::string&)> read) {
+  for (const size_t bytes : kHeads) {
+    const std::string head = ReadHead(path, bytes);
+    if (!suffices(head)) break;
+    try {
+      return read(head);
+    } catch (const InputError&) {  // what the head alone does not say, or hold
+    }
+    if (head.size() < bytes) break;
+  }
+  read(ReadFile(path, kMaxFileBytes));
 }
 
 const char* ExtensionOf(const std::string& bytes) {
@@ -56,21 +74,22 @@ Image8 ReadImage(const std::filesystem::path& path, Orientation orientation) {
 }
 
 void ReadImageSize(const std::filesystem::path& path, int* width, int* height, Orientation orientation) {
-  if (const std::string head = ReadHead(path, kHeadBytes); IsJpeg(head) || IsPng(head)) {
-    try {
-      return SizeOf(head, path.string(), orientation, width, height);
-    } catch (const InputError&) {  // what the head alone does not say, or hold
-    }
-  }
-  SizeOf(ReadFile(path, kMaxFileBytes), path.string(), orientation, width, height);
+  const bool wants_exif = orientation == Orientation::kUpright;
+  const auto suffices = [&](const std::string& head) {
+    return IsImage(head) && !(IsWebp(head) && wants_exif);  // a WebP ends with its EXIF
+  };
+  ReadBeginning(path, suffices,
+                [&](const std::string& bytes) { SizeOf(bytes, path.string(), orientation, width, height); });
 }
 
 ImageInfo ReadImageInfo(const std::filesystem::path& path) {
-  const std::string bytes = ReadFile(path, kMaxFileBytes);
   ImageInfo info;
-  SizeOf(bytes, path.string(), Orientation::kUpright, &info.width, &info.height);
-  info.exif = ReadExif(bytes);
-  info.extension = ExtensionOf(bytes);
+  const auto is_jpeg = [](const std::string& head) { return IsJpeg(head); };  // others may end with their EXIF
+  ReadBeginning(path, is_jpeg, [&](const std::string& bytes) {
+    SizeOf(bytes, path.string(), Orientation::kUpright, &info.width, &info.height);
+    info.exif = ReadExif(bytes);
+    info.extension = ExtensionOf(bytes);
+  });
   return info;
 }
 

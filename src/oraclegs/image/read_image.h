@@ -16,7 +16,8 @@ namespace oraclegs {
 /// PNG is not applied. Throws InputError naming the file and the damage.
 Image8 ReadImage(const std::filesystem::path& path, Orientation orientation = Orientation::kUpright);
 
-/// Width and height as ReadImage would return them, from the header alone.
+/// Width and height as ReadImage would return them, from the header: of most files 64 KB are read, more of a JPEG with
+/// larger metadata, all of a WebP or where the size stands elsewhere.
 void ReadImageSize(const std::filesystem::path& path, int* width, int* height,
                    Orientation orientation = Orientation::kUpright);
 

@@ -15,14 +15,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Signs of x, y, z that turn the program's axes to those of a format.
-Eigen::Vector3d FileAxes(SplatFormat format) {
-  if (format == SplatFormat::kSpz) return {1, -1, -1};
-  if (format == SplatFormat::kGltf || format == SplatFormat::kGltfSpz) return {-1, -1, 1};
-  return {1, 1, 1};
+/// An axis of a file, in the program's axes.
+Eigen::Vector3d ProgramAxis(Eigen::Vector3d axis, unsigned half_turn) {
+  for (int c = 0; c < 3; ++c) {
+    if ((half_turn >> c & 1u) != 0) axis[c] = -axis[c];
+  }
+  return axis;
 }
-
-bool KeepsComments(SplatFormat format) { return format == SplatFormat::kPly || format == SplatFormat::kCompressedPly; }
 
 }  // namespace
 
@@ -51,14 +50,15 @@ GaussianPly Pruned(const GaussianPly& splat, const ExportOptions& options, const
           Picked(splat.support, kept), splat.antialiased};
 }
 
-void CheckExport(const fs::path& from, const fs::path& to, const ExportOptions& options) {
+void CheckExport(const ExportFiles& files, const ExportOptions& options) {
+  const auto& [from, to, formats] = files;
   CheckOptions(options);
   std::error_code ignored;
   if (to.filename().empty() || fs::is_directory(to, ignored)) {
     throw UsageError("{}: is a folder; name the file to write, for example {}", to.string(),
                      (to / "scene.spz").string());
   }
-  SplatFormatOf(to);
+  SplatFormatOf(to, formats);
   if (fs::equivalent(from, to, ignored)) {
     throw UsageError("{}: is the input itself, which an export never overwrites; choose another -o", to.string());
   }
@@ -66,16 +66,17 @@ void CheckExport(const fs::path& from, const fs::path& to, const ExportOptions& 
   ParseAxis(options.up);
 }
 
-ExportResult ExportSplat(const fs::path& from, const fs::path& to, const ExportOptions& options,
+ExportResult ExportSplat(const ExportFiles& files, const ExportOptions& options,
                          const std::optional<ExportCameras>& cameras, const Listener& listener) {
-  CheckExport(from, to, options);
+  CheckExport(files, options);
+  const auto& [from, to, formats] = files;
   const std::string file = from.string();
   if (NeedsCameras(options) && !cameras) {
     throw UsageError("{}: has no cameras, which {} needs; give the workspace of a run", file,
                      options.crop == "auto" ? "--crop auto" : "--up auto");
   }
-  const SplatFormat format = SplatFormatOf(to);
-  const GaussianPly splat = ReadSplat(from, listener);
+  const SplatFormat& format = SplatFormatOf(to, formats);
+  const GaussianPly splat = ReadSplat(from, listener, formats);
   const Eigen::Vector3d offset = OffsetOf(splat.comments);
   Crop crop = ParseCrop(options.crop).MovedBy(-offset);
   if (crop.kind == Crop::Kind::kAuto) {
@@ -95,7 +96,7 @@ ExportResult ExportSplat(const fs::path& from, const fs::path& to, const ExportO
     if (!options.up.empty()) {
       const Eigen::Vector3d usual = -Eigen::Vector3d::UnitY();  // up where y points down
       const auto axis = ParseAxis(options.up);
-      const Eigen::Vector3d wanted = axis ? Eigen::Vector3d(axis->cwiseProduct(FileAxes(format))) : usual;
+      const Eigen::Vector3d wanted = axis ? ProgramAxis(*axis, format.half_turn) : usual;
       transform.rotation = TurnBetween(cameras ? cameras->up : usual, wanted);
     }
     kept.gaussians = Transformed(kept.gaussians, transform);
@@ -103,18 +104,18 @@ ExportResult ExportSplat(const fs::path& from, const fs::path& to, const ExportO
     kept.comments = WithOffset(kept.comments, transform * offset);
     if (!options.up.empty()) kept.comments = WithoutLevel(std::move(kept.comments));
   }
-  if (!KeepsComments(format)) {
+  if (!format.keeps_comments) {
     for (const std::string& comment : LicenseComments(PartsInComments(kept.comments)))
-      listener(Note{fmt::format("{} has no room for a comment of the model: {}", ExtensionOf(format), comment)});
+      listener(Note{fmt::format("{} has no room for a comment of the model: {}", format.extension, comment)});
     if (const Eigen::Vector3d left = OffsetOf(kept.comments); !left.isZero(0)) {
       listener(Note{fmt::format("{} has no room for the scene's offset: add {} {} {} to positions for the scene's own",
-                                ExtensionOf(format), left.x(), left.y(), left.z())});
+                                format.extension, left.x(), left.y(), left.z())});
     }
   }
-  const int degree = format == SplatFormat::kSplat ? 0 : kept.sh_degree;
-  const int64_t written = WriteSplat(to, kept, listener);
+  const int degree = std::min(kept.sh_degree, format.max_sh_degree);
+  const int64_t written = WriteSplat(to, kept, listener, formats);
   listener(FileWritten{to});
-  return {format, splat.gaussians.size(), written, degree, fs::file_size(to)};
+  return {format.extension, splat.gaussians.size(), written, degree, fs::file_size(to)};
 }
 
 }  // namespace oraclegs

@@ -59,19 +59,23 @@ bool NeedsCameras(const ExportOptions& options);
 GaussianPly Pruned(const GaussianPly& splat, const ExportOptions& options, const Crop& crop, const std::string& file);
 
 struct ExportResult {
-  SplatFormat format{};
+  std::string extension;          ///< of the written file: ".spz"
   int64_t before = 0, after = 0;  ///< Gaussians
   int sh_degree = 0;              ///< SH degree of the written file
   uint64_t bytes = 0;             ///< size of the written file
 };
 
+struct ExportFiles {
+  std::filesystem::path from, to;
+  const std::vector<SplatFormat>& formats = SplatFormats();
+};
+
 /// Throws UsageError for options and an output that can be refused before anything is read.
-void CheckExport(const std::filesystem::path& from, const std::filesystem::path& to, const ExportOptions& options);
+void CheckExport(const ExportFiles& files, const ExportOptions& options);
 
 /// Reads a splat of any format, edits it and writes it in the format that the name of `to` ends with. Throws InputError
 /// and RunError; UsageError when no Gaussian would be left, or when cameras are needed and missing.
-ExportResult ExportSplat(const std::filesystem::path& from, const std::filesystem::path& to,
-                         const ExportOptions& options, const std::optional<ExportCameras>& cameras,
-                         const Listener& listener);
+ExportResult ExportSplat(const ExportFiles& files, const ExportOptions& options,
+                         const std::optional<ExportCameras>& cameras, const Listener& listener);
 
 }  // namespace oraclegs

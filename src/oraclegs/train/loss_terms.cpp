@@ -53,13 +53,13 @@ void CheckShares(const TrainOptions& options) {
 constexpr double kLateShare = 0.95, kLateDepthFactor = kFsgsLateDepthWeight / kFsgsDepthWeight;
 constexpr double kPatchDepthFactor = kSparseGsPatchDepthWeight / kSparseGsDepthWeight;
 
-bool CorrelatesDepth(const TrainOptions& options) {
-  return options.depth_loss == DepthLoss::kCorrelation || options.depth_loss == DepthLoss::kPatchedCorrelation;
-}
-
 ViewPlane PlaneIf(const Buffer<float>& plane, ViewPlane name) { return plane.defined() ? name : ViewPlane::kNone; }
 
 }  // namespace
+
+bool CorrelatesDepth(const TrainOptions& options) {
+  return options.depth_loss == DepthLoss::kCorrelation || options.depth_loss == DepthLoss::kPatchedCorrelation;
+}
 
 LossPlan::LossPlan(const TrainOptions& options, TrainingData data)
     : options_(options),

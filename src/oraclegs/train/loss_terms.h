@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "oraclegs/core/error.h"
 #include "oraclegs/loss/perceptual_distance.h"
 #include "oraclegs/loss/photometric.h"
 #include "oraclegs/train/options.h"
@@ -53,7 +54,11 @@ class LossTerms {
  public:
   static constexpr int kMaxTerms = 6;
 
-  void Add(const LossTerm& term) { terms_[static_cast<size_t>(count_++)] = term; }
+  /// Throws ShapeError for more than kMaxTerms.
+  void Add(const LossTerm& term) {
+    if (count_ == kMaxTerms) throw ShapeError("LossTerms: an iteration has more than {} terms", kMaxTerms);
+    terms_[static_cast<size_t>(count_++)] = term;
+  }
   const LossTerm* begin() const { return terms_.data(); }
   const LossTerm* end() const { return terms_.data() + count_; }
 
@@ -106,6 +111,9 @@ class LossPlan {
   PerceptualDistance lpips_;
   double depth_scale_;  // of the depth term at the start of the run, world units; 0 = there is none
 };
+
+/// True for a depth term by correlation, which only the CPU evaluates.
+bool CorrelatesDepth(const TrainOptions& options);
 
 /// Throws RunError that names the iteration and the view when the loss is not finite.
 void RequireFinite(double loss, int64_t iteration, const TrainView& view);

@@ -13,8 +13,8 @@ std::unique_ptr<TrainDevice> MakeTrainDevice(Device device, const TrainDeviceSet
   if (setup.options.baseline.densify != Densify::kMcmc) {
     throw UsageError("--densify {} works on the CPU only; use --device cpu", Word(setup.options.baseline.densify));
   }
-  if (const DepthLoss loss = setup.options.depth_loss; loss > DepthLoss::kPaper) {
-    throw UsageError("--depth-loss {} works on the CPU only; use --device cpu", Word(loss));
+  if (CorrelatesDepth(setup.options)) {
+    throw UsageError("--depth-loss {} works on the CPU only; use --device cpu", Word(setup.options.depth_loss));
   }
   if (!setup.parts.empty()) {
     throw UsageError(

@@ -79,13 +79,17 @@ double ViewLoss::Evaluate(const LossTerm& term, const Rendered& rendered, ViewLo
     case TermKind::kDepthCorrelation:
       grads->inv_depth = grad_inv_depth_.Get({view.camera.height, view.camera.width});
       return result->depth = PearsonDepthLoss({rendered.out.inv_depth, target, mask}, term.weight, &grads->inv_depth);
-    case TermKind::kPatchedDepthCorrelation: {  // comes after the former
+    case TermKind::kPatchedDepthCorrelation: {
       const DepthImages images{rendered.out.inv_depth, target, mask};
-      Buffer<float> more = Buffer<float>::Zeros(grads->inv_depth.shape());
+      Buffer<float> more = grad_patches_.Get({view.camera.height, view.camera.width});
       const std::vector<ImagePatch> patches =
           RandomPatches(view.camera.height, view.camera.width, {}, rendered.seed, rendered.iteration);
       const double loss = PatchPearsonDepthLoss(images, patches, term.weight, &more);
-      for (int64_t i = 0; i < more.count(); ++i) grads->inv_depth[i] += more[i];
+      if (!grads->inv_depth.defined()) {
+        grads->inv_depth = more;
+      } else {
+        for (int64_t i = 0; i < more.count(); ++i) grads->inv_depth[i] += more[i];
+      }
       result->depth += loss;
       return loss;
     }

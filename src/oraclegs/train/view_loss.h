@@ -42,7 +42,7 @@ class ViewLoss {
   PhotometricLoss photometric_;
   std::optional<Exposures> exposures_;
   ExposureGradient exposure_gradient_{};
-  ImageBuffer grad_image_, grad_inv_depth_, grad_alpha_, exposed_image_;
+  ImageBuffer grad_image_, grad_inv_depth_, grad_patches_, grad_alpha_, exposed_image_;
 };
 
 }  // namespace oraclegs

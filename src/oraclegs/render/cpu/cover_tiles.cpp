@@ -9,6 +9,7 @@
 // clang-format on
 #include <hwy/highway.h>
 
+#include "oraclegs/render/blend_math-inl.h"
 #include "oraclegs/render/cpu/falloff-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -43,27 +44,17 @@ HWY_INLINE uint32_t MaskBits(LanesMask mask) {
 HWY_INLINE uint32_t CoverOne(const cpu::LineSplat& s, const TileRect& rect, int tiles_x, uint32_t pair,
                              const cpu::CoverOutput& out) {
   const FloatTag d;
-  const Lanes ax(s.ax), by(s.by), slope(s.slope), zero(0.f), span(static_cast<float>(cpu::kBlock - 1));
-  // The sum of squares of Splat is smallest, for a fixed dx, at dy = -slope dx; for a fixed dy at dx = across dy.
-  const float tilt = s.by * s.by * s.slope;
-  const Lanes across(-tilt / (s.ax * s.ax + tilt * s.slope));
-  // alpha >= 1/255 <=> sum <= bound. The slack covers rounding here and in the blend loop, also of needles whose
-  // center is far away.
-  const Lanes bound(s.log2_opacity - kLog2AlphaMin + 1e-3f);
+  const ReachTerms<Lanes> reach = ReachTermsOf(Lanes(s.ax), Lanes(s.by), Lanes(s.slope), Lanes(s.log2_opacity));
+  const Lanes span(static_cast<float>(cpu::kBlock - 1));
   // One loop over the rectangle: most hold one or a few tiles, and the end of a second loop would be mispredicted.
   int tx = rect.x0, ty = rect.y0;
   for (int left = rect.Count(); left > 0; --left) {
     const Lanes corner_x(static_cast<float>(tx * kTile) - s.mx), corner_y(static_cast<float>(ty * kTile) - s.my);
     uint32_t mask = 0;
     for (int v = 0; v < 16; v += kLanes) {
-      const Lanes x0 = corner_x + Lanes(hn::Load(d, kBlockOffsets.x + v)), x1 = x0 + span;
-      const Lanes y0 = corner_y + Lanes(hn::Load(d, kBlockOffsets.y + v)), y1 = y0 + span;
-      const Lanes near_x = Max(x0, Min(x1, zero)), near_y = Max(y0, Min(y1, zero));
-      // The minimum over the block lies on the edge nearest in x or on the one nearest in y.
-      const Lanes best_y = Max(y0, Min(y1, zero - slope * near_x)), best_x = Max(x0, Min(x1, across * near_y));
-      const Lanes p1 = ax * near_x, q1 = by * (best_y + slope * near_x);
-      const Lanes p2 = ax * best_x, q2 = by * (near_y + slope * best_x);
-      mask |= MaskBits(Min(p1 * p1 + q1 * q1, p2 * p2 + q2 * q2) <= bound) << v;
+      const Lanes x0 = corner_x + Lanes(hn::Load(d, kBlockOffsets.x + v));
+      const Lanes y0 = corner_y + Lanes(hn::Load(d, kBlockOffsets.y + v));
+      mask |= MaskBits(Reaches(reach, x0, y0, span, span)) << v;
     }
     out.pair_tile[pair] = static_cast<uint32_t>(ty * tiles_x + tx);
     out.pair_mask[pair] = mask;

@@ -13,6 +13,8 @@
 
 #include "oraclegs/core/simd/lanes-inl.h"
 #include "oraclegs/core/simd/rows-inl.h"
+#include "oraclegs/render/blend_math-inl.h"
+#include "oraclegs/render/color_math-inl.h"
 #include "oraclegs/render/cpu/kernels.h"
 #include "oraclegs/render/splat_math-inl.h"
 
@@ -39,48 +41,20 @@ struct ShColumns {
   HWY_INLINE Lanes Get(int k, int c) const { return v[3 * k + c]; }
 };
 
-HWY_INLINE Vec3<Lanes> ViewDirection(const Vec3<Lanes>& mean, const SplatCamera<float>& camera, Lanes* inv_distance) {
-  const Vec3<Lanes> d{mean.x - Lanes(camera.eye[0]), mean.y - Lanes(camera.eye[1]), mean.z - Lanes(camera.eye[2])};
-  *inv_distance = Lanes(1.f) / Sqrt(Dot(d, d));
-  return {d.x * *inv_distance, d.y * *inv_distance, d.z * *inv_distance};
-}
-
-/// Color before the clamp at zero.
-HWY_INLINE Vec3<Lanes> RawColor(const ShColumns& sh, const Lanes* basis, int coefficients) {
-  Vec3<Lanes> c{Lanes(0.5f), Lanes(0.5f), Lanes(0.5f)};
-  for (int k = 0; k < coefficients; ++k) {
-    c.x = hn::MulAdd(basis[k].v, sh.Get(k, 0).v, c.x.v);
-    c.y = hn::MulAdd(basis[k].v, sh.Get(k, 1).v, c.y.v);
-    c.z = hn::MulAdd(basis[k].v, sh.Get(k, 2).v, c.z.v);
-  }
-  return c;
-}
-
-/// The lanes' ellipses alpha >= 1/255.
-struct Ellipses {
-  Lanes center[2], half[2];  ///< center and half size of the bounding boxes, px
-  LanesMask visible;
-};
-
-/// Stores the tile rectangles of the ellipses, exact but for rounding, which widens them
-/// (docs/method.md#tiles-and-sorting). Empty where not visible or outside the image. Returns whether any is not empty.
-HWY_INLINE bool StoreRects(const SplatCamera<float>& camera, const Ellipses& ellipses, int count, TileRect* rects) {
+/// Stores the tile rectangles of the ellipses about the projected centers; empty where not visible or outside the
+/// image. Returns whether any is not empty.
+HWY_INLINE bool StoreRects(const SplatCamera<float>& camera, const ProjectedSplat<Lanes>& p,
+                           const Ellipse<Lanes>& ellipse, int count, TileRect* rects) {
   const IntTag di;
-  const Lanes slack(1e-3f);  // of a pixel: many ulp at any image size
-  const float size[2] = {static_cast<float>(camera.width), static_cast<float>(camera.height)};
-  LanesMask visible = ellipses.visible;
+  PixelSpan<Lanes> span[2];
+  const LanesMask in_x = SpanAlong(p.mx, ellipse.half_x, camera.width, &span[0]);
+  const LanesMask in_y = SpanAlong(p.my, ellipse.half_y, camera.height, &span[1]);
+  const LanesMask visible = And(IsVisible(p), And(in_x, in_y));
   HWY_ALIGN int32_t first[2][kLanes], last[2][kLanes];  // tiles
   for (int axis = 0; axis < 2; ++axis) {
-    const Lanes center = ellipses.center[axis], half = ellipses.half[axis];
-    // Pixel centers are at halves. The comparisons make NaN invisible.
-    const Lanes low = hn::Ceil((center - half - Lanes(0.5f) - slack).v);
-    const Lanes high = hn::Floor((center + half - Lanes(0.5f) + slack).v);
-    const Lanes end(size[axis] - 1), zero(0.f);
-    visible = And(visible, And(And(low <= high, high >= zero), low <= end));
-    const auto tile = [&](Lanes pixel)
-                          HWY_ATTR { return hn::ShiftRight<4>(hn::ConvertTo(di, Max(zero, Min(pixel, end)).v)); };
-    hn::Store(tile(low), di, first[axis]);
-    hn::Store(hn::Add(tile(high), hn::Set(di, 1)), di, last[axis]);
+    const auto tile = [&](Lanes pixel) HWY_ATTR { return hn::ShiftRight<4>(hn::ConvertTo(di, pixel.v)); };
+    hn::Store(tile(span[axis].first), di, first[axis]);
+    hn::Store(hn::Add(tile(span[axis].last), hn::Set(di, 1)), di, last[axis]);
   }
   static_assert(kTile == 1 << 4);
   HWY_ALIGN int32_t seen[kLanes];
@@ -118,22 +92,15 @@ HWY_NOINLINE void ProjectSplats(const cpu::ProjectInput& in, int64_t begin, int6
       p.opacity = p.opacity * factor[0];
     }
 
-    // alpha >= 1/255 inside |d|_K <= k, k^2 = 2 ln(255 o'), whose bounding box is k sqrt(diag(cov)).
-    const Lanes log_opacity = Log(Max(p.opacity, Lanes(1e-30f)));
-    const Lanes k2 = Max(Lanes(2.f) * (log_opacity + Lanes(kLog255)), Lanes(0.f));
-    const LanesMask visible = And(p.z > Lanes(kNearPlane), p.opacity >= Lanes(kAlphaMin));
-    const Ellipses ellipses{{p.mx, p.my}, {Sqrt(k2 * p.cov_a), Sqrt(k2 * p.cov_c)}, visible};
-    if (!StoreRects(camera, ellipses, count, rects + i)) continue;
+    const Ellipse<Lanes> ellipse = EllipseOf(p);
+    if (!StoreRects(camera, p, ellipse, count, rects + i)) continue;
 
-    Lanes basis[16], inv_distance;
+    Lanes basis[kMaxShTerms], inv_distance;
     ShBasis(camera.sh_degree, ViewDirection(raw.mean, camera, &inv_distance), basis);
     ShColumns sh;
     sh.Load(in.gaussians.sh, i, count, coefficients);
-    const Vec3<Lanes> color = RawColor(sh, basis, coefficients);
-    const Lanes half(0.5f * kLog2E), zero(0.f);
-    const Lanes columns[cpu::kSplatFields] = {
-        p.mx, p.my, Sqrt(half / p.cov_a), Sqrt(half * p.conic_c), p.conic_b / p.conic_c, Lanes(kLog2E) * log_opacity,
-        p.z,  zero, Max(color.x, zero),   Max(color.y, zero),     Max(color.z, zero),    Lanes(1.f) / p.z};
+    Lanes columns[cpu::kSplatFields];
+    SplatFields(p, ellipse.log_opacity, RawColor(sh, basis, coefficients), columns);
     StoreSplats(columns, count, splats + i);
   }
 }
@@ -204,18 +171,13 @@ HWY_INLINE void SumRecords(const cpu::GradInput& grads, const TileColumns& colum
   std::memcpy(sums, sum, sizeof(sum));
 }
 
-/// The sums of BlendTileBackward's records, about the Gaussian.
-struct Moments {
-  Lanes h, x, y, xx, xy, yy, r, g, b, inv_z;
-};
-
-/// Reads one Gaussian per lane from rows of kMomentRow floats.
-HWY_INLINE Moments CombineSums(const float* rows) {
+/// The sums of BlendTileBackward's records about the Gaussians, one per lane, from rows of kMomentRow floats.
+HWY_INLINE BlendSums<Lanes> CombineSums(const float* rows) {
   FloatVec v[kMomentRow];
   LoadWideRows(rows, kMomentRow, kLanes, kMomentRow / kLanes, v);
   const auto at = [&](int sums, int k) HWY_ATTR { return Lanes(v[4 * sums + k]); };
   const Lanes two(2.f);
-  Moments m;
+  BlendSums<Lanes> m;
   m.h = at(kSums0, 0);
   m.x = at(kSums0, 1) + at(kSumsDx, 0);
   m.y = at(kSums0, 2) + at(kSumsDy, 0);
@@ -269,27 +231,14 @@ HWY_INLINE void StoreShGradient(const Lanes* basis, const Vec3<Lanes>& g, const 
 
 /// Stores gradient rows of SH, from lane 0's on. Returns the part of d/d(mean) that comes through the viewing direction
 /// (docs/method.md#color-gradient).
-HWY_INLINE Vec3<Lanes> ColorBackward(const cpu::ProjectInput& in, const Vec3<Lanes>& mean, const Vec3<Lanes>& g_color,
-                                     const LaneGroup& group, float* sh_rows) {
-  const SplatCamera<float> camera = in.camera;
-  const int coefficients = (camera.sh_degree + 1) * (camera.sh_degree + 1);
-  Lanes basis[16], inv_distance;
-  const Vec3<Lanes> direction = ViewDirection(mean, camera, &inv_distance);
-  ShBasis(camera.sh_degree, direction, basis);
+HWY_INLINE Vec3<Lanes> ShBackward(const cpu::ProjectInput& in, const Vec3<Lanes>& mean, const Vec3<Lanes>& g_color,
+                                  const LaneGroup& group, float* sh_rows) {
+  const int coefficients = (in.camera.sh_degree + 1) * (in.camera.sh_degree + 1);
   ShColumns sh;
   sh.Load(in.gaussians.sh, group.first, group.count, coefficients);
-  const Vec3<Lanes> color = RawColor(sh, basis, coefficients);
-  const Lanes zero(0.f);
-  const Vec3<Lanes> g{Select(color.x > zero, g_color.x, zero), Select(color.y > zero, g_color.y, zero),
-                      Select(color.z > zero, g_color.z, zero)};
-
-  Lanes weight[16];
-  for (int k = 1; k < coefficients; ++k) weight[k] = sh.Get(k, 0) * g.x + sh.Get(k, 1) * g.y + sh.Get(k, 2) * g.z;
-  const Vec3<Lanes> gd = ShGradient(camera.sh_degree, direction, weight);
-  StoreShGradient(basis, g, group, coefficients, sh_rows);
-  const Lanes radial = Dot(direction, gd);
-  return {(gd.x - direction.x * radial) * inv_distance, (gd.y - direction.y * radial) * inv_distance,
-          (gd.z - direction.z * radial) * inv_distance};
+  const auto store = [&](const Lanes* basis, const Vec3<Lanes>& g)
+                         HWY_ATTR { StoreShGradient(basis, g, group, coefficients, sh_rows); };
+  return ColorBackward(in.camera, mean, sh, g_color, store);
 }
 
 /// Destination of one vector's screen gradients.
@@ -334,27 +283,16 @@ HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::
       SumRecords(grads, tile_columns, i + lane, sums + lane * kMomentRow);
       seen[lane] = grads.ranges[i + lane].count > 0 ? 1.f : 0.f;
     }
-    const Moments m = CombineSums(sums);
+    const BlendSums<Lanes> m = CombineSums(sums);
 
     const RawSplat<Lanes> raw = LoadRaw(in.gaussians, i, count);
     const SplatChain<Lanes> chain = EvaluateChain(raw, camera);
     const ProjectedSplat<Lanes> p = Project(chain, camera);
-    ProjectedGrad<Lanes> g;
-    g.mx =
-        p.conic_a * m.x +
-        p.conic_b * m.y;  // offsets point from the Gaussian to the pixel: opposite to docs/method.md#blending-gradient
-    g.my = p.conic_c * m.y + p.conic_b * m.x;
-    g.conic_a = Lanes(-0.5f) * m.xx;
-    g.conic_b = -m.xy;
-    g.conic_c = Lanes(-0.5f) * m.yy;
-    // m.h sums alpha dL/d(alpha), which is dL/d(log opacity). An opacity factor is a constant under the logarithm, so
-    // this is the derivative by the opacity without it.
-    g.opacity = m.h / p.opacity;
-    g.inv_z = m.inv_z;
+    const ProjectedGrad<Lanes> g = ProjectedGradOf(p, m);
     if (grads.screen_sums) AddScreenGradients(g, camera, {grads, i, count});
     const RawGrad<Lanes> raw_grad = ProjectBackward(chain, camera, g);
     const LaneGroup group{i, count, Lanes(hn::Load(d, seen)) > Lanes(0.f)};
-    const Vec3<Lanes> from_color = ColorBackward(in, raw.mean, {m.r, m.g, m.b}, group, rows.sh);
+    const Vec3<Lanes> from_color = ShBackward(in, raw.mean, {m.r, m.g, m.b}, group, rows.sh);
 
     // Lanes without records hold zeros or, behind the camera, whatever a division by zero gave.
     const auto keep = [&](Lanes value) HWY_ATTR { return Select(group.seen, value, Lanes(0.f)); };

@@ -23,35 +23,19 @@ __device__ inline float NextTransmittance(float alpha, float transmittance) {
 __device__ inline int PixelX(int i) { return i / kWarp % 2 * 8 + i % 8; }
 __device__ inline int PixelY(int i) { return i / (2 * kWarp) * 4 + i % kWarp / 8; }
 
-/// Terms of the reach test of a Gaussian.
+/// A Gaussian for the reach test.
 struct Reach {
-  float mx, my, ax, by, slope, across, bound;
+  float mx, my;
+  ReachTerms<float> terms;
 };
 
 __device__ inline Reach ReachOf(const Splat& s) {
-  // The sum of squares is smallest, for a fixed dx, at dy = -slope dx; for a fixed dy at dx = across dy.
-  const float tilt = s.by * s.by * s.slope;
-  // alpha >= 1/255 <=> sum <= bound. The slack covers rounding here and in the blend loop, also of needles whose
-  // center is far away.
-  return {s.mx,
-          s.my,
-          s.ax,
-          s.by,
-          s.slope,
-          -tilt / fmaf(s.ax, s.ax, tilt * s.slope),
-          s.log2_opacity - kLog2AlphaMin + 1e-3f};
+  return {s.mx, s.my, ReachTermsOf(s.ax, s.by, s.slope, s.log2_opacity)};
 }
 
-/// Whether alpha may be 1/255 between the pixel centers (x, y) and (x + span_x, y + span_y): the exact minimum of the
-/// quadratic form over that rectangle, which lies on the edge nearest in x or on the one nearest in y. Fused by hand,
-/// as one kernel counts by it and another lists.
+/// Whether alpha may be 1/255 between the pixel centers (x, y) and (x + span_x, y + span_y).
 __device__ inline bool Reaches(const Reach& r, float x, float y, float span_x, float span_y) {
-  const float x0 = x - r.mx, x1 = x0 + span_x, y0 = y - r.my, y1 = y0 + span_y;
-  const float near_x = Max(x0, Min(x1, 0.f)), near_y = Max(y0, Min(y1, 0.f));
-  const float best_y = Max(y0, Min(y1, -r.slope * near_x)), best_x = Max(x0, Min(x1, r.across * near_y));
-  const float p1 = r.ax * near_x, q1 = r.by * fmaf(r.slope, near_x, best_y);
-  const float p2 = r.ax * best_x, q2 = r.by * fmaf(r.slope, best_x, near_y);
-  return Min(fmaf(p1, p1, q1 * q1), fmaf(p2, p2, q2 * q2)) <= r.bound;
+  return Reaches(r.terms, x - r.mx, y - r.my, span_x, span_y);
 }
 
 __device__ inline bool ReachesTile(const Reach& r, int tile_x, int tile_y) {

@@ -56,37 +56,24 @@ __device__ inline GaussianGrad BackwardOfOne(const GaussianBackwardInput& in, in
   const RawSplat<float> raw = LoadRaw(in.parameters, i);
   const SplatChain<float> chain = EvaluateChain(raw, camera);
   const ProjectedSplat<float> p = Project(chain, camera);
-  ProjectedGrad<float> g;
-  g.mx = p.conic_a * sums[1] +
-         p.conic_b * sums[2];  // offsets point to the pixel: opposite to docs/method.md#blending-gradient
-  g.my = p.conic_c * sums[2] + p.conic_b * sums[1];
-  g.conic_a = -0.5f * sums[3];
-  g.conic_b = -sums[4];
-  g.conic_c = -0.5f * sums[5];
-  // sums[0] is dL/d(log opacity): a factor the opacity was rendered with is a constant under the logarithm.
-  g.opacity = sums[0] / p.opacity;
-  g.inv_z = sums[9];
+  const ProjectedGrad<float> g = ProjectedGradOf(
+      p, BlendSums<float>{sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6], sums[7], sums[8], sums[9]});
   const RawGrad<float> small = ProjectBackward(chain, camera, g);
-
   const int coefficients = (camera.sh_degree + 1) * (camera.sh_degree + 1);
-  float basis[16], weight[16], inv_distance;
-  const Vec3<float> d = ViewDirection(raw.mean, camera, &inv_distance);
-  ShBasis(camera.sh_degree, d, basis);
-  const Vec3<float> color = RawColor(row, basis, coefficients);
-  const Vec3<float> gc{color.x > 0.f ? sums[6] : 0.f, color.y > 0.f ? sums[7] : 0.f, color.z > 0.f ? sums[8] : 0.f};
+  const auto store = [row, coefficients](const float* basis, const Vec3<float>& g_color) {
 #pragma unroll
-  for (int k = 0; k < 16; ++k) {
-    if (k >= coefficients) break;
-    weight[k] = row[3 * k] * gc.x + row[3 * k + 1] * gc.y + row[3 * k + 2] * gc.z;
-    row[3 * k] = basis[k] * gc.x, row[3 * k + 1] = basis[k] * gc.y, row[3 * k + 2] = basis[k] * gc.z;
-  }
-  const Vec3<float> gd = ShGradient(camera.sh_degree, d, weight);
-  const float radial = Dot(d, gd);
+    for (int k = 0; k < kMaxShTerms; ++k) {
+      if (k >= coefficients) break;
+      row[3 * k] = basis[k] * g_color.x, row[3 * k + 1] = basis[k] * g_color.y, row[3 * k + 2] = basis[k] * g_color.z;
+    }
+  };
+  const Vec3<float> from_color =
+      ColorBackward(camera, raw.mean, ShRow{row}, Vec3<float>{sums[6], sums[7], sums[8]}, store);
 
   GaussianGrad out;
-  out.mean[0] = small.mean.x + (gd.x - d.x * radial) * inv_distance;
-  out.mean[1] = small.mean.y + (gd.y - d.y * radial) * inv_distance;
-  out.mean[2] = small.mean.z + (gd.z - d.z * radial) * inv_distance;
+  out.mean[0] = small.mean.x + from_color.x;
+  out.mean[1] = small.mean.y + from_color.y;
+  out.mean[2] = small.mean.z + from_color.z;
   out.log_scale[0] = small.log_scale.x, out.log_scale[1] = small.log_scale.y, out.log_scale[2] = small.log_scale.z;
   out.quat[0] = small.qw, out.quat[1] = small.qx, out.quat[2] = small.qy, out.quat[3] = small.qz;
   out.logit = small.logit;

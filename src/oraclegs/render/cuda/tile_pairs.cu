@@ -56,8 +56,11 @@ __device__ inline Candidate TilesOf(const TileRect& rect) {
 __device__ inline Candidate Broadcast(const Candidate& c, int from) {
   const auto broadcast = [from](auto value) { return __shfl_sync(kAllLanes, value, from); };
   Candidate out;
-  out.reach = {broadcast(c.reach.mx),    broadcast(c.reach.my),     broadcast(c.reach.ax),   broadcast(c.reach.by),
-               broadcast(c.reach.slope), broadcast(c.reach.across), broadcast(c.reach.bound)};
+  const ReachTerms<float>& terms = c.reach.terms;
+  out.reach = {broadcast(c.reach.mx),
+               broadcast(c.reach.my),
+               {broadcast(terms.ax), broadcast(terms.by), broadcast(terms.slope), broadcast(terms.across),
+                broadcast(terms.bound)}};
   out.x0 = broadcast(c.x0), out.y0 = broadcast(c.y0), out.columns = broadcast(c.columns),
   out.count = broadcast(c.count);
   return out;

@@ -3,6 +3,8 @@
 
 #include "oraclegs/core/cuda/launch.h"
 #include "oraclegs/core/cuda/warp_sum-inl.cuh"
+#include "oraclegs/render/blend_math-inl.h"
+#include "oraclegs/render/color_math-inl.h"
 #include "oraclegs/render/cuda/splats.h"
 #include "oraclegs/render/splat_math-inl.h"
 
@@ -36,25 +38,11 @@ __device__ inline void LoadShRows(const float* sh, int64_t first, unsigned mask,
   __syncwarp();
 }
 
-/// Unit vector from the camera to the Gaussian, and the reciprocal of its distance.
-__device__ inline Vec3<float> ViewDirection(const Vec3<float>& mean, const SplatCamera<float>& camera,
-                                            float* inv_distance) {
-  const Vec3<float> d{mean.x - camera.eye[0], mean.y - camera.eye[1], mean.z - camera.eye[2]};
-  *inv_distance = 1.f / Sqrt(Dot(d, d));
-  return {d.x * *inv_distance, d.y * *inv_distance, d.z * *inv_distance};
-}
+/// A row of SH coefficients, for color_math-inl.h.
+struct ShRow {
+  const float* row;
 
-/// Color before the clamp at zero; `sh`: one row. Unrolled, so that the basis stays in registers.
-__device__ inline Vec3<float> RawColor(const float* sh, const float (&basis)[16], int coefficients) {
-  Vec3<float> c{0.5f, 0.5f, 0.5f};
-#pragma unroll
-  for (int k = 0; k < 16; ++k) {
-    if (k >= coefficients) break;
-    c.x = fmaf(basis[k], sh[3 * k], c.x);
-    c.y = fmaf(basis[k], sh[3 * k + 1], c.y);
-    c.z = fmaf(basis[k], sh[3 * k + 2], c.z);
-  }
-  return c;
-}
+  __device__ float Get(int k, int c) const { return row[3 * k + c]; }
+};
 
 }  // namespace oraclegs::cuda
