@@ -27,13 +27,11 @@ struct TrainingData {
 };
 
 enum class TermKind {
-  kPhotometric,              ///< PhotometricLoss of the image, seen through the exposure map where there is one
-  kExposure,                 ///< weight / 2 |map - identity|^2 of the exposure map
-  kPerceptual,               ///< weight * LPIPS(image, target)
-  kInvDepth,                 ///< weight * mean(|inverse depth - target| * mask)
-  kDepthCorrelation,         ///< weight * PearsonDepthLoss of the inverse depth (loss/pearson_depth.h)
-  kPatchedDepthCorrelation,  ///< weight * PatchPearsonDepthLoss of random patches
-  kAlpha,                    ///< weight * mean(|alpha - target| * mask)
+  kPhotometric,  ///< PhotometricLoss of the image, seen through the exposure map where there is one
+  kExposure,     ///< weight / 2 |map - identity|^2 of the exposure map
+  kPerceptual,   ///< weight * LPIPS(image, target)
+  kInvDepth,     ///< weight * mean(|inverse depth - target| * mask)
+  kAlpha,        ///< weight * mean(|alpha - target| * mask)
 };
 
 /// A plane of a TrainView, wherever a device keeps it.

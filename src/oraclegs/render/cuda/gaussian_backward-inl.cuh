@@ -66,6 +66,12 @@ __device__ inline GaussianGrad BackwardOfOne(const GaussianBackwardInput& in, in
   // sums[0] is dL/d(log opacity): a factor the opacity was rendered with is a constant under the logarithm.
   g.opacity = sums[0] / p.opacity;
   g.inv_z = sums[9];
+  if (in.screen_sums != nullptr) {
+    const float x = g.mx * (0.5f * static_cast<float>(camera.width));
+    const float y = g.my * (0.5f * static_cast<float>(camera.height));
+    in.screen_sums[i] += sqrtf(x * x + y * y);
+    in.screen_views[i] += 1;
+  }
   const RawGrad<float> small = ProjectBackward(chain, camera, g);
 
   const int coefficients = (camera.sh_degree + 1) * (camera.sh_degree + 1);
