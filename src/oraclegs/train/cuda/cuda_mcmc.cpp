@@ -46,7 +46,9 @@ class CudaMcmcDensifier final : public Densifier {
         const auto grow = [&](auto& buffer) { buffer = buffer.GrownTo(n + added); };
         model->gaussians.ForEach([&](const char*, Buffer<float>& buffer) { grow(buffer); });
         model->adam.ForEachMoment([&](const char*, const char*, auto& buffer) { grow(buffer); });
-        RunGrow(in, added, kStream);
+        RefineInput grown = Refinement(iteration, *model);  // the buffers may have moved
+        grown.count = n;
+        RunGrow(grown, added, kStream);
       }
     }
     const MeansNoise noise{iteration.seed, iteration.number, iteration.rates.means};
