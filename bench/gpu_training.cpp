@@ -155,7 +155,8 @@ void GpuTraining::TimeRefine(int passes, GpuTimes* times) {
   cuda::Event begin, end;
   std::vector<double> refine;
   for (int i = 0; i < passes; ++i) {
-    const Iteration next = Next();
+    Iteration next = Next();
+    next.refines = true;
     begin.Record(nullptr);
     train_->Refine(next, &model_);
     end.Record(nullptr);

@@ -45,24 +45,25 @@ TEST(RunOptions, AreCheckedInEveryGroup) {
   EXPECT_THAT(MessageOf<UsageError>([&] { CheckRunOptions(options); }), testing::HasSubstr("--init-scale is 0"));
 }
 
-TEST(RunOptions, RefuseWhatNeedsDepthWithoutDepth) {
+TEST(RunOptions, RefuseAMethodThatNeedsDepthWithoutDepth) {
   RunOptions options;
-  options.depth.depth_prior = DepthPrior::kNone;
+  for (const char* method : {"fsgs", "dngaussian", "sparsegs", "comapgs"}) {
+    options.method.method = method;
+    options.depth.depth_prior = {};
+    CheckRunOptions(options);
+    options.depth.depth_prior = DepthPrior::kNone;
+    EXPECT_EQ(MessageOf<UsageError>([&] { CheckRunOptions(options); }),
+              fmt::format("--method {} needs depth, and --depth-prior none finds none; leave one of them out", method));
+  }
+  options.method.method = "3dgs";
   CheckRunOptions(options);
-  const auto refused = [&](auto&& ask) {
-    RunOptions asked = options;
-    ask(&asked.train.baseline);
-    asked.depth.depth_prior = {};
-    CheckRunOptions(asked);
-    asked.depth.depth_prior = DepthPrior::kNone;
-    return MessageOf<UsageError>([&] { CheckRunOptions(asked); });
-  };
-  using testing::StartsWith;
-  EXPECT_THAT(refused([](BaselineOptions* o) { o->pseudo_depth_weight = 0.05; }), StartsWith("--pseudo-depth-weight "));
-  EXPECT_THAT(refused([](BaselineOptions* o) { o->hard_depth = true; }), StartsWith("--hard-depth "));
-  EXPECT_THAT(refused([](BaselineOptions* o) { o->soft_depth_start = 9; }), StartsWith("--soft-depth-start "));
-  EXPECT_THAT(refused([](BaselineOptions* o) { o->covisibility_weights = true; }),
-              StartsWith("--covisibility-weights needs depth, and --depth-prior none finds none"));
+}
+
+TEST(RunOptions, RefuseAMethodThatIsNone) {
+  RunOptions options;
+  options.method.method = "dnguassian";
+  EXPECT_THAT(MessageOf<UsageError>([&] { CheckRunOptions(options); }),
+              testing::HasSubstr("did you mean 'dngaussian'?"));
 }
 
 TEST(RunOptions, NameLayersAndWeightsOfVggt) {

@@ -80,11 +80,12 @@ TEST(NeedsDepth, FollowsStartLossAndPruning) {
   options.train.prune_floaters = true;
   EXPECT_TRUE(needs(StartKind::kSfm));
   options.train.prune_floaters = false;
-  options.train.baseline.hard_depth = true;
+  options.method.method = "dngaussian";
   EXPECT_TRUE(needs(StartKind::kSfm));
-  options.train.baseline = {};
-  options.train.baseline.covisibility_weights = true;
+  options.method.method = "comapgs";
   EXPECT_TRUE(needs(StartKind::kSfm));
+  options.method.method = "3dgs";
+  EXPECT_FALSE(needs(StartKind::kSfm));
   options.train = {};
   EXPECT_GT(options.train.depth_weight, 0);
   EXPECT_TRUE(needs(StartKind::kRandom));

@@ -92,10 +92,10 @@ TEST_F(TrainStageTest, TakesTheCheckpointBeforeADamagedOne) {
 }
 
 TEST_F(TrainStageTest, WeighsPhotosByCovisibilityWhichNeedsDepth) {
-  request.options.train.baseline.covisibility_weights = true;
+  request.options.method.method = "comapgs";
   request.options.depth.depth_prior = DepthPrior::kNone;
   EXPECT_THAT(MessageOf<UsageError>([&] { Train(request); }),
-              HasSubstr("--covisibility-weights needs depth, and --depth-prior none finds none"));
+              HasSubstr("--method comapgs needs depth, and --depth-prior none finds none"));
 }
 
 TEST_F(TrainStageTest, StopsWhenItsFolderIsRemoved) {

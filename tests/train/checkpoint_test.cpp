@@ -127,18 +127,30 @@ TEST(CheckpointTest, ExposuresAreThereWhereTheyAreTrained) {
   EXPECT_THAT(Refusal(dir / "uneven"), HasSubstr("exposure.maps has shape [2, 3, 4], expected [3, 3, 4]"));
 }
 
-TEST(CheckpointTest, ASecondModelIsThereWhereItIsTrained) {
+TEST(CheckpointTest, StateIsReadBackByName) {
   const TempDir dir;
-  Checkpoint before = Example(3);
-  const Checkpoint second = Example(2);
-  before.second = std::make_shared<const Checkpoint>(second);
+  Checkpoint before = Example(3), second = Example(2);
+  second.state.arrays["sums"] = Buffer<float>::From({2}, {5, 6});
+  before.state.arrays = {{"sums", Buffer<float>::From({3}, {1, 2, 3})}, {"grid", Buffer<float>::Full({2, 4}, 7)}};
+  before.state.models["other"] = std::make_shared<const Checkpoint>(second);
   WriteCheckpoint(dir / "two", before);
   const Checkpoint after = ReadCheckpoint(dir / "two");
   ExpectSame(after, before);
-  ASSERT_NE(after.second, nullptr);
-  ExpectSame(*after.second, second);
-  WriteCheckpoint(dir / "one", second);
-  EXPECT_EQ(ReadCheckpoint(dir / "one").second, nullptr);
+  ASSERT_EQ(after.state.arrays.size(), 2u);
+  EXPECT_TRUE(Equal(after.state.Array("sums", {3}), before.state.arrays["sums"]));
+  EXPECT_TRUE(Equal(after.state.Array("grid", {2, 4}), before.state.arrays["grid"]));
+  ASSERT_EQ(after.state.models.size(), 1u);
+  ExpectSame(after.state.Model("other"), second);
+  EXPECT_TRUE(Equal(after.state.Model("other").state.Array("sums", {2}), second.state.arrays["sums"]));
+  EXPECT_TRUE(after.state.Model("other").state.models.empty());
+}
+
+TEST(CheckpointTest, StateThatIsMissingIsNamed) {
+  NamedState state;
+  state.arrays["sums"] = Buffer<float>::From({2}, {5, 6});
+  EXPECT_THAT(MessageOf<InputError>([&] { state.Array("sums", {3}); }), HasSubstr("no state 'sums' of this training"));
+  EXPECT_THAT(MessageOf<InputError>([&] { state.Array("views", {2}); }), HasSubstr("start anew with --overwrite"));
+  EXPECT_THAT(MessageOf<InputError>([&] { state.Model("other"); }), HasSubstr("no model 'other' of this training"));
 }
 
 TEST(CheckpointTest, IsASafetensorsFileWithPlainNames) {

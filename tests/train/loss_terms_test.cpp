@@ -114,25 +114,6 @@ TEST(LossPlan, LowersTheDepthWeightOverTheRun) {
   }
 }
 
-TEST(LossPlan, CorrelatesDepthAsFsgsAndSparseGsDo) {
-  TrainOptions options = Options();
-  options.depth_weight = 0.05;
-  options.alpha_weight = 0;
-  options.depth_loss = DepthLoss::kCorrelation;
-  const TrainingData data{{Complete("photo", 2)}, {Complete("proposal", 3)}};
-  const LossPlan fsgs(options, data);
-  EXPECT_THAT(Kinds(fsgs.Terms(kPhoto, 30)), testing::ElementsAre(TermKind::kPhotometric, TermKind::kDepthCorrelation));
-  EXPECT_DOUBLE_EQ(fsgs.Terms(kPhoto, 95).begin()[1].weight, 0.05);
-  EXPECT_DOUBLE_EQ(fsgs.Terms(kPhoto, 96).begin()[1].weight, 0.001);
-  EXPECT_THAT(Kinds(fsgs.Terms(kProposal, 30)), testing::ElementsAre(TermKind::kPhotometric));
-  options.depth_loss = DepthLoss::kPatchedCorrelation;
-  const LossTerms sparsegs = LossPlan(options, data).Terms(kPhoto, 96);
-  EXPECT_THAT(Kinds(sparsegs), testing::ElementsAre(TermKind::kPhotometric, TermKind::kDepthCorrelation,
-                                                    TermKind::kPatchedDepthCorrelation));
-  EXPECT_DOUBLE_EQ(sparsegs.begin()[1].weight, 0.05);
-  EXPECT_DOUBLE_EQ(sparsegs.begin()[2].weight, 0.15);
-}
-
 TEST(LossTerms, RefusesMoreThanItHolds) {
   LossTerms terms;
   for (int i = 0; i < LossTerms::kMaxTerms; ++i) terms.Add({TermKind::kAlpha});

@@ -12,7 +12,7 @@ Gaussians Refined(TrainOptions options, bool* adds_noise) {
   options = options.Settled();
   const LossPlan plan(options, Photos(2));
   auto rasterizer = MakeRasterizer(kCpu);
-  const std::unique_ptr<Densifier> densifier = MakeDensifier({options, plan, rasterizer.get()});
+  const std::unique_ptr<Densifier> densifier = MakeMcmcDensifier({options, plan, rasterizer.get()});
   TrainedModel model{Start(), Adam(Start().size())};
   densifier->Begin(model.gaussians.size());
   *adds_noise = densifier->AddsNoise();
@@ -22,21 +22,11 @@ Gaussians Refined(TrainOptions options, bool* adds_noise) {
   return model.gaussians;
 }
 
-TEST(MakeDensifier, McmcMovesTheDeadAndGrows) {
+TEST(McmcDensifier, MovesTheDeadAndGrows) {
   bool adds_noise = false;
   const Gaussians refined = Refined(Options(), &adds_noise);
   EXPECT_TRUE(adds_noise);
   EXPECT_EQ(refined.size(), 63) << "5 % more";
-  EXPECT_GT(Flat(refined.opacity_logits).minCoeff(), -6);
-}
-
-TEST(MakeDensifier, AdaptiveRemovesTheDead) {
-  TrainOptions options = Options();
-  options.baseline.densify = Densify::kAdaptive;
-  bool adds_noise = true;
-  const Gaussians refined = Refined(options, &adds_noise);
-  EXPECT_FALSE(adds_noise);
-  EXPECT_EQ(refined.size(), 55);
   EXPECT_GT(Flat(refined.opacity_logits).minCoeff(), -6);
 }
 

@@ -25,30 +25,5 @@ TEST(MakeTrainDevice, RefusesDevicesThatTheBuildLacks) {
               testing::HasSubstr("--device cpu"));
 }
 
-TEST(MakeTrainDevice, RunsPartsOfOtherMethodsOnTheCpuAlone) {
-  const TrainOptions options = Options().Settled();
-  const LossPlan plan(options, Photos(1));
-  const Device gpu{static_cast<DeviceKind>(7), 0};
-  EXPECT_THAT(MessageOf<UsageError>([&] {
-                MakeTrainDevice(gpu, {options, plan, 60, {nullptr}});
-              }),
-              testing::HasSubstr("--prune-modes-at work on the CPU only; use --device cpu"));
-}
-
-TEST(MakeTrainDevice, KnowsTheDensificationAndDepthOfOtherMethodsOnTheCpuAlone) {
-  const Device gpu{static_cast<DeviceKind>(7), 0};
-  const auto refusal = [&](const TrainOptions& options) {
-    const LossPlan plan(options.Settled(), Photos(1));
-    const TrainOptions settled = options.Settled();
-    return MessageOf<UsageError>([&] { MakeTrainDevice(gpu, {settled, plan, 60}); });
-  };
-  TrainOptions options = Options();
-  options.baseline.densify = Densify::kAdaptive;
-  EXPECT_THAT(refusal(options), testing::HasSubstr("--densify adaptive works on the CPU only"));
-  options = Options();
-  options.depth_loss = DepthLoss::kCorrelation;
-  EXPECT_THAT(refusal(options), testing::HasSubstr("--depth-loss correlation works on the CPU only"));
-}
-
 }  // namespace
 }  // namespace oraclegs

@@ -257,6 +257,9 @@ class FailingDevice final : public TrainDevice {
 
   Rasterizer& rasterizer() override { return device_->rasterizer(); }
   RenderTimings TimingsSoFar() const override { return device_->TimingsSoFar(); }
+  std::unique_ptr<Rasterizer> NewRasterizer() const override { return device_->NewRasterizer(); }
+  void RunParts(const Iteration& iteration, TrainedModel* model) override { device_->RunParts(iteration, model); }
+  Densifier& densifier() override { return device_->densifier(); }
   TrainedModel Upload(const TrainedModel& host) override { return device_->Upload(host); }
   TrainedModel Download(const TrainedModel& model) const override { return device_->Download(model); }
   Buffer<float> OpacityFactors(const OpacityPerturbation& perturbation, int64_t n) override {

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "oraclegs/loss/masked_l1.h"
-#include "oraclegs/loss/pearson_depth.h"
 #include "oraclegs/train/schedule.h"
 #include "support/buffers.h"
 #include "support/errors.h"
@@ -61,26 +60,6 @@ TEST(ViewLoss, WeighsProposalsByConfidenceAndDepthByItsMask) {
   options.proposal_weight = 0.5;
   Planned half(options, {{photo}, {proposal}});
   EXPECT_NEAR(half(kFirstProposal, 30, out).loss, (image + depth) / 2, 1e-9);
-}
-
-TEST(ViewLoss, AddsTheCorrelationOfPatchesToThatOfTheImage) {
-  TrainOptions options = Options();
-  options.depth_weight = 0.05;
-  options.depth_loss = DepthLoss::kPatchedCorrelation;
-  const TrainView photo = Noise("photo", 3);
-  const RenderOutput out = Render();
-  Planned loss(options, {{photo}});
-  const ViewLossResult result = loss(kFirstPhoto, 30, out);
-
-  const DepthImages images{out.inv_depth, photo.inv_depth, photo.depth_mask};
-  Buffer<float> whole = Buffer<float>::Zeros(out.inv_depth.shape()), patched = whole.Clone();
-  const double of_whole = PearsonDepthLoss(images, 0.05, &whole);
-  const double of_patches = PatchPearsonDepthLoss(images, RandomPatches(kHeight, kWidth, {}, 0, 30), 0.15, &patched);
-  EXPECT_GT(of_whole, 0);
-  EXPECT_GT(of_patches, 0);
-  EXPECT_DOUBLE_EQ(result.depth, of_whole + of_patches);
-  Flat(whole) += Flat(patched);
-  EXPECT_TRUE(Equal(result.grads.inv_depth, whole));
 }
 
 TEST(ViewLoss, WeighsAlphaByTheMask) {

@@ -10,8 +10,4 @@ void GradientConsumer::ConsumeOnDevice(const cuda::GaussianBackwardInput&) {
   throw ShapeError("this consumer of gradients does not work on a GPU");
 }
 
-void Rasterizer::WatchScreen(const ScreenGradients*) {
-  throw UsageError("the gradients of places in the image are kept on the CPU only; use --device cpu");
-}
-
 }  // namespace oraclegs

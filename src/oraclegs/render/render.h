@@ -104,9 +104,9 @@ class Rasterizer {
   /// Computes the gradients of Backward and hands them to `consumer` instead of writing them.
   virtual void BackwardInto(const Gaussians& gaussians, const RenderGrads& upstream, GradientConsumer* consumer) = 0;
 
-  /// Makes each further backward pass add to these screen gradients of as many Gaussians, on the CPU; nullptr ends
-  /// that. Throws UsageError on a GPU.
-  virtual void WatchScreen(const ScreenGradients* watched);
+  /// Makes each further backward pass add to these screen gradients of as many Gaussians, on the rasterizer's device;
+  /// nullptr ends that. Backward and BackwardInto throw ShapeError where they do not fit.
+  virtual void WatchScreen(const ScreenGradients* watched) = 0;
 
   /// Allocates for that many Gaussians now, on a GPU. Throws OutOfMemory.
   virtual void ReserveGaussians(int64_t) {}

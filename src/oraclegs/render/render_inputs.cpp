@@ -71,4 +71,12 @@ GaussianRows GradientRows(const Gaussians& grads, int64_t n, Device device) {
   return grads.Rows();
 }
 
+void RequireWatched(const ScreenGradients& watched, int64_t n, Device device) {
+  if (!watched.sum.defined()) return;
+  for (const Buffer<float>* buffer : {&watched.sum, &watched.views}) {
+    RequireShape(kBackward, "watched screen gradients", *buffer, {n});
+    RequireDevice(kBackward, "watched screen gradients", *buffer, device);
+  }
+}
+
 }  // namespace oraclegs

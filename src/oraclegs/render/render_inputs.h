@@ -21,4 +21,7 @@ UpstreamPlanes PlanesOf(const RenderGrads& upstream, int64_t height, int64_t wid
 /// Throws unless `grads` has a row for each of n Gaussians, on `device`.
 GaussianRows GradientRows(const Gaussians& grads, int64_t n, Device device);
 
+/// Throws unless the screen gradients are undefined or those of n Gaussians, on `device`.
+void RequireWatched(const ScreenGradients& watched, int64_t n, Device device);
+
 }  // namespace oraclegs

@@ -2,24 +2,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "oraclegs/baselines/make_parts.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/scene/frame.h"
-#include "oraclegs/train/methods/make_parts.h"
 #include "oraclegs/validate/attention_layers.h"
 
 namespace oraclegs {
-
-namespace {
-
-/// First option set that needs depth; "" = none.
-std::string OptionThatNeedsDepth(const BaselineOptions& options) {
-  if (options.hard_depth) return "--hard-depth";
-  if (options.soft_depth_start > 0) return "--soft-depth-start";
-  if (options.covisibility_weights) return "--covisibility-weights";
-  return options.pseudo_depth_weight > 0 ? "--pseudo-depth-weight" : "";
-}
-
-}  // namespace
 
 nlohmann::json ShapingOptionsToJson(const RunOptions& options) {
   nlohmann::json json = nlohmann::json::object();
@@ -43,10 +31,11 @@ void CheckRunOptions(const RunOptions& options) {
     throw UsageError("--horizon {} is below --iterations {}; rates and weights would end before training does",
                      options.train.horizon, options.train.iterations.value());
   }
-  CheckMethodOptions(options.train);
-  const std::string needs_depth = OptionThatNeedsDepth(options.train.baseline);
-  if (options.depth.depth_prior == DepthPrior::kNone && !needs_depth.empty()) {
-    throw UsageError("{} needs depth, and --depth-prior none finds none; leave one of them out", needs_depth);
+  const BaselineSettings baseline = options.method.Settings();
+  CheckBaseline("--method " + options.method.method, baseline, options.train);
+  if (options.depth.depth_prior == DepthPrior::kNone && baseline.UsesDepth()) {
+    throw UsageError("--method {} needs depth, and --depth-prior none finds none; leave one of them out",
+                     options.method.method);
   }
   const ProposerChoice proposers = options.propose.Choice();
   const std::string& generator = options.propose.generator;

@@ -6,6 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "oraclegs/baselines/options.h"
 #include "oraclegs/capture/options.h"
 #include "oraclegs/core/options.h"
 #include "oraclegs/depth/stereo.h"
@@ -280,6 +281,7 @@ struct RunOptions {
   SevaOptions seva;
   ValidateOptions validate;
   TrainOptions train;
+  MethodOptions method;
   GeneratorLimits generator_limits;
   CheckpointSchedule checkpoints;
   ReportOptions report;
@@ -303,6 +305,7 @@ struct RunOptions {
     f("Stable Virtual Camera", self.seva);
     f("Validation", self.validate);
     f("Training", self.train);
+    f("Training", self.method);
   }
   template <class Self, class F>
   static void ForEachGroup(Self& self, F&& f) {

@@ -26,7 +26,7 @@ bool NeedsDepth(const RunOptions& options) {
   if (options.depth.depth_prior == DepthPrior::kNone) return false;
   const Auto<StartKind>& init = options.start.init;
   return HasProposals(options) || init.is_auto() || init == StartKind::kDense || init == StartKind::kHybrid ||
-         options.train.depth_weight > 0 || options.train.prune_floaters || options.train.baseline.UsesDepth();
+         options.train.depth_weight > 0 || options.train.prune_floaters || options.method.Settings().UsesDepth();
 }
 
 OracleChoice ChooseOracle(const RunOptions& options) {

@@ -1,15 +1,15 @@
 #pragma once
-// Where the depth of pseudo views comes from in a run (train/pseudo_depth.h): a network where there is one, else
+// Where the depth of pseudo views comes from in a run (baselines/pseudo_depth.h): a network where there is one, else
 // stereo.
 
 #include <Eigen/Core>
 #include <filesystem>
 #include <vector>
 
+#include "oraclegs/baselines/pseudo_depth.h"
 #include "oraclegs/core/progress.h"
 #include "oraclegs/depth/depth_map.h"
 #include "oraclegs/scene/loaded_view.h"
-#include "oraclegs/train/pseudo_depth.h"
 
 namespace oraclegs {
 

@@ -3,6 +3,7 @@
 #include <optional>
 #include <utility>
 
+#include "oraclegs/baselines/make_parts.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/memory.h"
 #include "oraclegs/core/plural.h"
@@ -21,8 +22,6 @@
 #include "oraclegs/stages/train_inputs.h"
 #include "oraclegs/train/checkpoint_folder.h"
 #include "oraclegs/train/make_train_device.h"
-#include "oraclegs/train/methods/make_parts.h"
-#include "oraclegs/train/methods/weight_photos.h"
 #include "oraclegs/train/trainer.h"
 #include "oraclegs/workspace/non_commercial.h"
 
@@ -165,7 +164,7 @@ nlohmann::json TimingsToJson(const TrainResult& result) {
 
 /// Empty where nothing asks for it, or no depth is known.
 PseudoDepth PseudoDepthOf(const Run& run, const TrainingViews& training) {
-  if (!(run.options.train.baseline.pseudo_depth_weight > 0)) return {};
+  if (!(run.options.method.Settings().pseudo_depth_weight > 0)) return {};
   const DepthSource& source = run.plan.depth;
   if (!source.weights.empty()) return NetworkPseudoDepth(source.weights, run.plan.device, run.listener);
   const std::vector<DepthMap>& maps = run.results->geometry.maps;
@@ -201,19 +200,21 @@ ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) 
   ready.lpips = network.convention;
   std::vector<TrainView> images = MakeTrainViews(training, known.geometry, run->options.train.depth_loss);
   ready.views = SupportViewsOf(images, known.proposals);
-  if (run->options.train.baseline.covisibility_weights) images = WeightByCovisibility(std::move(images));
   const TrainOptions settled = SettledOptions(*run, training);
   ready.chosen = ChosenOptions(run->options.train, settled);
-  TrainSetup setup{settled,
-                   run->options.start.seed,
-                   BackgroundColor(run->options.image.background),
-                   {std::move(images), std::move(known.proposals), std::move(network.distance)},
-                   std::move(start)};
+  BaselineSetup setup{{settled,
+                       run->options.start.seed,
+                       BackgroundColor(run->options.image.background),
+                       {std::move(images), std::move(known.proposals), std::move(network.distance)},
+                       std::move(start)},
+                      run->options.method.Settings()};
+  setup.make_device = [device = run->plan.device](const TrainDeviceSetup& of_device) {
+    return MakeTrainDevice(device, of_device);
+  };
   setup.pseudo_depth = PseudoDepthOf(*run, training);
-  setup.parts = MakeMethodParts(setup);
-  ready.trainer = std::make_unique<Trainer>(
-      std::move(setup),
-      [device = run->plan.device](const TrainDeviceSetup& setup) { return MakeTrainDevice(device, setup); });
+  AddBaseline(&setup);
+  const TrainDeviceMaker make_device = setup.make_device;
+  ready.trainer = std::make_unique<Trainer>(std::move(setup), make_device);
   if (checkpoint) ready.trainer->Restore(*checkpoint);
   run->results = std::make_unique<StageResults>();
   return ready;

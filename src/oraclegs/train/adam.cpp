@@ -289,13 +289,19 @@ void Adam::StepGroup(Buffer<float> Gaussians::*group, const Gaussians& grads, do
   LearningRates rates;
   rates.means = rate;
   const AdamConstants constants = Constants(step + 1, rates, 0);
-  const Buffer<float>& values = params->*group;
-  const AdamArrays all{(grads.*group).data(), values.data(), (m.*group).data(), (v.*group).data()};
+  // On a GPU these are copies: a group is small beside the render that its gradients come from.
+  const Buffer<float> g = (grads.*group).To(kCpu), values = (params->*group).To(kCpu), first = (m.*group).To(kCpu),
+                      second = (v.*group).To(kCpu);
+  const AdamArrays all{g.data(), values.data(), first.data(), second.data()};
   ParallelBlocks(values.count(), kGroupGrain, [&](int64_t begin, int64_t end) {
     HWY_DYNAMIC_DISPATCH(UpdateGroup)
     ({all.g + begin, all.p + begin, all.m + begin, all.v + begin}, end - begin, constants.means,
      constants.correction2_root);
   });
+  if (params->device().is_cpu()) return;
+  (params->*group).CopyFrom(values);
+  (m.*group).CopyFrom(first);
+  (v.*group).CopyFrom(second);
 }
 
 }  // namespace oraclegs

@@ -78,7 +78,7 @@ struct Adam {
   void Step(const Gaussians& grads, const LearningRates& rates, int sh_degree, Gaussians* params);
 
   /// Takes a step of one group alone, say &Gaussians::means. Values and moments of the other groups stay, as PyTorch
-  /// leaves parameters without gradient alone. On all threads. Throws ShapeError.
+  /// leaves parameters without gradient alone. On all threads, for buffers of any device. Throws ShapeError.
   ///
   /// PyTorch counts the steps of each parameter. Here `step` is unchanged and counts the whole steps, so the other
   /// groups keep their bits. This group's moments are corrected by that count, which is below its own: its steps differ

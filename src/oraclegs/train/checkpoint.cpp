@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "oraclegs-checkpoint";
 constexpr int64_t kFormatVersion = 3;
-constexpr const char* kSecond = "second.";  // before the names of all that is of the second model
+// Before the names of a state's arrays, and before those of a model: "state.NAME", "model.NAME.means".
+constexpr const char *kState = "state.", *kModel = "model.";
 // The checksum is that of the whole file with these digits at zero, so that it covers every byte.
 constexpr std::string_view kChecksumMark = "crc32=", kNoChecksum = "00000000";
 
@@ -80,16 +81,6 @@ void AddExposures(const std::string& prefix, const ExposureState& state, std::ma
   tensors->emplace(prefix + "exposure.adam.steps", Entry("I64", {views}, state.steps.data(), views));
 }
 
-/// Adds the screen gradients of adaptive density control. MCMC has none.
-void AddDensify(const std::string& prefix, const ScreenGradients& state, std::map<std::string, TensorEntry>* tensors) {
-  if (!state.sum.defined()) return;
-  const auto add = [&](const char* name, const Buffer<float>& t) {
-    tensors->emplace(prefix + name, Entry("F32", {t.count()}, t.data(), t.count()));
-  };
-  add("densify.sum", state.sum);
-  add("densify.views", state.views);
-}
-
 /// Contents of a file before it is written.
 struct Contents {
   std::map<std::string, TensorEntry> tensors;
@@ -106,7 +97,10 @@ struct Contents {
     add_stack("sampler.photos", checkpoint.sampler.photos);
     add_stack("sampler.proposals", checkpoint.sampler.proposals);
     AddExposures(prefix, checkpoint.exposures, &tensors);
-    AddDensify(prefix, checkpoint.densify, &tensors);
+    for (const auto& [name, t] : checkpoint.state.arrays) {
+      tensors.emplace(prefix + kState + name, Entry("F32", {t.shape().begin(), t.shape().end()}, t.data(), t.count()));
+    }
+    for (const auto& [name, model] : checkpoint.state.models) Add(prefix + kModel + name + ".", *model);
     const auto set = [&](const char* key, std::string value) { metadata[prefix + key] = std::move(value); };
     set("iteration", std::to_string(checkpoint.iteration));
     set("adam.step", std::to_string(checkpoint.adam.step));
@@ -220,6 +214,27 @@ struct Reader {
     return adam;
   }
 
+  /// State that densifier and parts carried. A model is known by its positions.
+  NamedState State() const {
+    constexpr std::string_view kMeans = ".means";
+    NamedState state;
+    for (const auto& [full, entry] : file.tensors()) {
+      if (!full.starts_with(prefix)) continue;
+      const std::string_view name = std::string_view(full).substr(prefix.size());
+      if (name.starts_with(kState)) {
+        const std::string own(name.substr(std::string_view(kState).size()));
+        if (entry.shape.size() > Shape::kMaxDims) throw InputError("{}: {} has too many axes", path.string(), full);
+        state.arrays[own] = Array<float>(kState + own, Shape(std::span<const int64_t>(entry.shape)));
+      } else if (name.starts_with(kModel) && name.ends_with(kMeans)) {
+        const size_t begin = std::string_view(kModel).size();
+        const std::string own(name.substr(begin, name.size() - kMeans.size() - begin));
+        if (own.find('.') != std::string::npos) continue;  // a model's own model
+        state.models[own] = std::make_shared<const Checkpoint>(Reader{path, file, prefix + kModel + own + "."}.Model());
+      }
+    }
+    return state;
+  }
+
   /// The model with its state.
   Checkpoint Model() const {
     const TensorEntry& means = Typed("means", "F32");
@@ -232,7 +247,7 @@ struct Reader {
                           Number<uint64_t>("sampler.counter"), Number<int64_t>("sampler.num_photos"),
                           Number<int64_t>("sampler.num_proposals")};
     checkpoint.exposures = Exposures();
-    if (Has("densify.sum")) checkpoint.densify = {Array<float>("densify.sum", {n}), Array<float>("densify.views", {n})};
+    checkpoint.state = State();
     checkpoint.seconds = Number<double>("seconds");
     checkpoint.loss = Number<double>("loss");
     checkpoint.options = Json("options");
@@ -259,6 +274,22 @@ void VerifyChecksum(const fs::path& path, std::string* bytes) {
 
 }  // namespace
 
+Buffer<float> NamedState::Array(const std::string& name, const Shape& shape) const {
+  const auto found = arrays.find(name);
+  if (found == arrays.end() || found->second.shape() != shape) {
+    throw InputError("the checkpoint holds no state '{}' of this training; start anew with --overwrite", name);
+  }
+  return found->second.Clone();
+}
+
+const Checkpoint& NamedState::Model(const std::string& name) const {
+  const auto found = models.find(name);
+  if (found == models.end()) {
+    throw InputError("the checkpoint holds no model '{}' of this training; start anew with --overwrite", name);
+  }
+  return *found->second;
+}
+
 std::string DumpOptions(const nlohmann::json& options) {
   return options.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
@@ -281,7 +312,6 @@ void WriteCheckpoint(const fs::path& path, const Checkpoint& checkpoint) {
                        {"format_version", std::to_string(kFormatVersion)},
                        {"checksum", std::string(kChecksumMark) + std::string(kNoChecksum)}};
   contents.Add("", checkpoint);
-  if (checkpoint.second) contents.Add(kSecond, *checkpoint.second);
   std::string bytes = SerializeSafetensors(contents.tensors, contents.metadata);
   const size_t at = FindChecksum(bytes);
   if (at == std::string::npos) throw std::logic_error("WriteCheckpoint: the header lost the checksum");
@@ -300,10 +330,7 @@ Checkpoint ReadCheckpoint(const fs::path& path) {
     throw InputError("{}: has format version {}, this program reads {}; continue with the program that wrote it",
                      path.string(), version, kFormatVersion);
   }
-  Checkpoint checkpoint = reader.Model();
-  const Reader second{path, file, kSecond};
-  if (second.Has("means")) checkpoint.second = std::make_shared<const Checkpoint>(second.Model());
-  return checkpoint;
+  return reader.Model();
 }
 
 }  // namespace oraclegs

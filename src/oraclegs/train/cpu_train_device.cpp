@@ -1,7 +1,6 @@
 #include "oraclegs/train/cpu_train_device.h"
 #include "oraclegs/render/make_rasterizer.h"
 
-#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -20,16 +19,16 @@ struct StepConsumer final : GradientConsumer {
   const Iteration& iteration;
   Gaussians* gaussians;
   Regularizers* regularizers;
-  const Gaussians* beside = nullptr;  // gradients of parts of other methods; null = there are none
-  std::optional<AdamStep> step;       // nothing: Gaussians stay, only the regularizers' value is wanted
+  std::optional<AdamStep> step;  // nothing: Gaussians stay, only the regularizers' value is wanted
   bool adds_noise = false;
+  const PartGradients* parts = nullptr;
 
   StepConsumer(const Iteration& iteration_in, Gaussians* gaussians_in, Regularizers* regularizers_in)
       : iteration(iteration_in), gaussians(gaussians_in), regularizers(regularizers_in) {}
 
   void ConsumeBlock(int64_t begin, int64_t end, const GaussianRows& grads) override {
     regularizers->AddTo(begin, end, grads);
-    if (beside != nullptr) AddRows(*beside, begin, end, 3 * ShCount(iteration.sh_degree), grads);
+    for (const Gaussians* part : *parts) AddRows(*part, begin, end, 3 * ShCount(iteration.sh_degree), grads);
     if (!step) return;
     step->Update(begin, end, grads);
     if (!adds_noise) return;
@@ -45,11 +44,15 @@ class CpuTrainDevice final : public TrainDevice {
         parts_(setup.parts),
         view_loss_(plan_),
         rasterizer_(MakeRasterizer(kCpu)) {
+    const DensifierSetup densifier{options_, plan_, rasterizer_.get()};
+    densifier_ = setup.densifier ? setup.densifier(densifier) : MakeMcmcDensifier(densifier);
     densifier_->Begin(setup.start);
+    for (const std::shared_ptr<MethodPart>& part : parts_) part->Attach(*this);
   }
 
   Rasterizer& rasterizer() override { return *rasterizer_; }
   RenderTimings TimingsSoFar() const override { return rasterizer_->timings(); }
+  std::unique_ptr<Rasterizer> NewRasterizer() const override { return MakeRasterizer(kCpu); }
 
   TrainedModel Upload(const TrainedModel& host) override {
     if (host.adam.size() > 0) return {host.gaussians.Clone(), host.adam.Clone()};
@@ -61,17 +64,12 @@ class CpuTrainDevice final : public TrainDevice {
 
   void RunParts(const Iteration& iteration, TrainedModel* model) override {
     loss_of_parts_ = 0;
+    part_gradients_.clear();
     const int64_t before = model->gaussians.size();
     for (const std::shared_ptr<MethodPart>& part : parts_) part->Remove(iteration, model);
-    const int64_t n = model->gaussians.size();
-    if (n != before) densifier_->Begin(n);
-    if (adds_gradients_ && beside_.size() != n) {
-      beside_ = Gaussians::Zeros(n);
-    } else if (adds_gradients_) {
-      beside_.ForEach([](const char*, Buffer<float>& t) { t.SetZero(); });
-    }
+    if (model->gaussians.size() != before) densifier_->Begin(model->gaussians.size());
     for (const std::shared_ptr<MethodPart>& part : parts_) {
-      loss_of_parts_ += part->BeforeView(iteration, model, &beside_);
+      loss_of_parts_ += part->BeforeView(iteration, model, &part_gradients_);
     }
   }
 
@@ -84,9 +82,12 @@ class CpuTrainDevice final : public TrainDevice {
   }
 
   RenderGrads LossOfView(const Iteration& iteration, const RenderOutput& out) override {
-    const ViewLossResult result = view_loss_(iteration.view, iteration.number, out, iteration.seed);
+    ViewLossResult result = view_loss_(iteration.view, iteration.number, out);
     loss_of_view_ = result.loss;
     AddTerms(iteration.view.kind, result);
+    for (const std::shared_ptr<MethodPart>& part : parts_) {
+      loss_of_parts_ += part->OnView(iteration, out, &result.grads);
+    }
     return result.grads;
   }
 
@@ -97,9 +98,7 @@ class CpuTrainDevice final : public TrainDevice {
     const bool adds_noise = densifier_->AddsNoise();
     // In an iteration that refines the noise comes after relocation and growth.
     consumer.adds_noise = adds_noise && !iteration.refines;
-    if (adds_gradients_) consumer.beside = &beside_;
-    // Programs with adaptive density control take no step in an iteration that refines: the new parameters have no
-    // gradient yet.
+    consumer.parts = &part_gradients_;
     if (iteration.moves && (adds_noise || !iteration.refines)) {
       consumer.step = model->adam.BeginStep(iteration.rates, iteration.sh_degree, gaussians);
     }
@@ -115,13 +114,10 @@ class CpuTrainDevice final : public TrainDevice {
     oraclegs::CapScales(camera_centers_, options_.largest_scale, &model->gaussians);
   }
 
-  void Refine(const Iteration& iteration, TrainedModel* model) override { densifier_->Refine(iteration, model); }
-  ScreenGradients densify_state() const override { return densifier_->state(); }
-  void RestoreDensify(const ScreenGradients& state, int64_t gaussians) override {
-    densifier_->Restore(state, gaussians);
+  void Refine(const Iteration& iteration, TrainedModel* model) override {
+    if (densifier_->Acts(iteration)) densifier_->Refine(iteration, model);
   }
-
-  void BeginDensify(int64_t gaussians) override { densifier_->Begin(gaussians); }
+  Densifier& densifier() override { return *densifier_; }
 
   LossReport Loss() override { return loss_; }
   void RestoreLoss(double smoothed) override { loss_ = {0, smoothed}; }
@@ -152,13 +148,11 @@ class CpuTrainDevice final : public TrainDevice {
   MethodParts parts_;
   ViewLoss view_loss_;
   std::unique_ptr<Rasterizer> rasterizer_;
-  std::unique_ptr<Densifier> densifier_ = MakeDensifier({options_, plan_, rasterizer_.get()});
+  std::unique_ptr<Densifier> densifier_;  // watches the rasterizer
   std::vector<float> camera_centers_ = CameraCenters(plan_.photos());
   Regularizers regularizers_;
   Buffer<float> opacity_factors_;  // [N]
-  Gaussians beside_;               // gradients of the parts, for one iteration
-  bool adds_gradients_ =
-      std::any_of(parts_.begin(), parts_.end(), [](const auto& part) { return part->AddsGradients(); });
+  PartGradients part_gradients_;   // of one iteration
   double loss_of_view_ = 0, loss_of_parts_ = 0;
   LossReport loss_;
   TermSums terms_;

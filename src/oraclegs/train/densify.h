@@ -1,32 +1,39 @@
 #pragma once
-// Densification on a CPU: how Gaussians are added, moved and removed. (A GPU has 3DGS-MCMC alone, train/cuda/refine.h.)
-// make_densifier.h makes the one of --densify.
+// Densification: how Gaussians are added, moved and removed. MCMC's is make_densifier.h's on a CPU and
+// cuda/cuda_mcmc.h's on a GPU; others come with TrainSetup and run on both.
 
+#include <functional>
 #include <memory>
 
 #include "oraclegs/render/render.h"
+#include "oraclegs/train/checkpoint.h"
 #include "oraclegs/train/loss_terms.h"
-#include "oraclegs/train/train_device.h"
 
 namespace oraclegs {
+
+struct Iteration;     // train/train_device.h
+struct TrainedModel;  // train/train_device.h
 
 class Densifier {
  public:
   virtual ~Densifier() = default;
 
-  /// Whether positions get the noise of 3DGS-MCMC in every iteration.
-  virtual bool AddsNoise() const = 0;
+  /// Whether positions get the noise of 3DGS-MCMC in every iteration. Without it an iteration that refines takes no
+  /// step, as in programs with adaptive density control, whose new parameters have no gradient yet.
+  virtual bool AddsNoise() const { return false; }
 
-  /// Called after the step of an iteration that refines or resets opacities.
+  /// Whether Refine is called after the step of this iteration: by default where the schedule refines.
+  virtual bool Acts(const Iteration& iteration) const;
+
+  /// Changes the model, which lies on the device of the training; OnHost (train/model_edits.h) gives it on the host.
   virtual void Refine(const Iteration& iteration, TrainedModel* model) = 0;
 
-  /// State carried from iteration to iteration, for checkpoints; empty where there is none.
-  virtual ScreenGradients state() const { return {}; }
-  /// Clears the state for a model of that many Gaussians.
-  virtual void Begin(int64_t gaussians) = 0;
-  /// Restores the state for a model of that many Gaussians. Throws InputError when the state is of another number, or
-  /// empty where this densifier has one.
-  virtual void Restore(const ScreenGradients& state, int64_t gaussians) = 0;
+  /// Clears the state carried from iteration to iteration, for a model of that many Gaussians.
+  virtual void Begin(int64_t /*gaussians*/) {}
+  /// Adds that state, under names of its own.
+  virtual void Save(NamedState*) const {}
+  /// Restores it for a model of that many Gaussians. Throws InputError where it is missing or of another number.
+  virtual void Restore(const NamedState&, int64_t /*gaussians*/) {}
 };
 
 /// Inputs of a densifier, which outlive it.
@@ -34,6 +41,8 @@ struct DensifierSetup {
   const TrainOptions& options;  ///< settled
   const LossPlan& plan;
   Rasterizer* rasterizer;
+  Device device = kCpu;
 };
+using DensifierMaker = std::function<std::unique_ptr<Densifier>(const DensifierSetup& setup)>;
 
 }  // namespace oraclegs

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <utility>
 
-#include "oraclegs/loss/pearson_depth.h"
 #include "oraclegs/train/diverged.h"
 #include "oraclegs/train/exposure.h"
 #include "oraclegs/train/schedule.h"
@@ -48,18 +47,9 @@ void CheckShares(const TrainOptions& options) {
   }
 }
 
-// Factors of correlating depth losses: FSGS lowers its weight for the last twentieth of its run, SparseGS weighs
-// patches three times as much as the image.
-constexpr double kLateShare = 0.95, kLateDepthFactor = kFsgsLateDepthWeight / kFsgsDepthWeight;
-constexpr double kPatchDepthFactor = kSparseGsPatchDepthWeight / kSparseGsDepthWeight;
-
 ViewPlane PlaneIf(const Buffer<float>& plane, ViewPlane name) { return plane.defined() ? name : ViewPlane::kNone; }
 
 }  // namespace
-
-bool CorrelatesDepth(const TrainOptions& options) {
-  return options.depth_loss == DepthLoss::kCorrelation || options.depth_loss == DepthLoss::kPatchedCorrelation;
-}
 
 LossPlan::LossPlan(const TrainOptions& options, TrainingData data)
     : options_(options),
@@ -113,21 +103,8 @@ LossTerms LossPlan::Terms(const SampledView& sampled, int64_t iteration) const {
     // The network takes most of the time: skipped at weight 0.
     if (weight != 0) terms.Add({TermKind::kPerceptual, weight, ViewPlane::kImage});
   }
-  if (CorrelatesDepth(options_)) {
-    if (!is_proposal && options_.depth_weight != 0 && view.inv_depth.defined()) {
-      const bool is_late = static_cast<double>(iteration) > kLateShare * static_cast<double>(options_.Horizon());
-      const double weight =
-          options_.depth_weight * (is_late && options_.depth_loss == DepthLoss::kCorrelation ? kLateDepthFactor : 1);
-      terms.Add({TermKind::kDepthCorrelation, weight, ViewPlane::kInvDepth, ViewPlane::kDepthMask});
-      if (options_.depth_loss == DepthLoss::kPatchedCorrelation) {
-        terms.Add({TermKind::kPatchedDepthCorrelation, kPatchDepthFactor * weight, ViewPlane::kInvDepth,
-                   ViewPlane::kDepthMask});
-      }
-    }
-  }
-  const double depth_weight = CorrelatesDepth(options_) ? 0
-                                                        : depth_scale_ * (is_proposal ? options_.proposal_weight : 1) *
-                                                              DepthWeight(iteration, options_.Horizon());
+  const double depth_weight =
+      depth_scale_ * (is_proposal ? options_.proposal_weight : 1) * DepthWeight(iteration, options_.Horizon());
   if (depth_weight != 0 && view.inv_depth.defined()) {
     terms.Add({TermKind::kInvDepth, depth_weight, ViewPlane::kInvDepth, ViewPlane::kDepthMask});
   }

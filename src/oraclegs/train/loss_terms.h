@@ -28,13 +28,11 @@ struct TrainingData {
 };
 
 enum class TermKind {
-  kPhotometric,              ///< PhotometricLoss of the image, seen through the exposure map where there is one
-  kExposure,                 ///< weight / 2 |map - identity|^2 of the exposure map
-  kPerceptual,               ///< weight * LPIPS(image, target)
-  kInvDepth,                 ///< weight * mean(|inverse depth - target| * mask)
-  kDepthCorrelation,         ///< weight * PearsonDepthLoss of the inverse depth (loss/pearson_depth.h)
-  kPatchedDepthCorrelation,  ///< weight * PatchPearsonDepthLoss of random patches
-  kAlpha,                    ///< weight * mean(|alpha - target| * mask)
+  kPhotometric,  ///< PhotometricLoss of the image, seen through the exposure map where there is one
+  kExposure,     ///< weight / 2 |map - identity|^2 of the exposure map
+  kPerceptual,   ///< weight * LPIPS(image, target)
+  kInvDepth,     ///< weight * mean(|inverse depth - target| * mask)
+  kAlpha,        ///< weight * mean(|alpha - target| * mask)
 };
 
 /// A plane of a TrainView, wherever a device keeps it.
@@ -111,9 +109,6 @@ class LossPlan {
   PerceptualDistance lpips_;
   double depth_scale_;  // of the depth term at the start of the run, world units; 0 = there is none
 };
-
-/// True for a depth term by correlation, which only the CPU evaluates.
-bool CorrelatesDepth(const TrainOptions& options);
 
 /// Throws RunError that names the iteration and the view when the loss is not finite.
 void RequireFinite(double loss, int64_t iteration, const TrainView& view);

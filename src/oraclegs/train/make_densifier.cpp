@@ -1,9 +1,9 @@
 #include "oraclegs/train/make_densifier.h"
 
-#include "oraclegs/train/adaptive_density.h"
 #include "oraclegs/train/floaters.h"
 #include "oraclegs/train/mcmc.h"
 #include "oraclegs/train/noise.h"
+#include "oraclegs/train/train_device.h"
 
 namespace oraclegs {
 namespace {
@@ -22,9 +22,6 @@ class McmcDensifier final : public Densifier {
     AddNoise({iteration.seed, iteration.number, iteration.rates.means}, gaussians);
   }
 
-  void Begin(int64_t) override {}
-  void Restore(const ScreenGradients&, int64_t) override {}
-
  private:
   const TrainOptions& options_;
   const LossPlan& plan_;
@@ -32,8 +29,9 @@ class McmcDensifier final : public Densifier {
 
 }  // namespace
 
-std::unique_ptr<Densifier> MakeDensifier(const DensifierSetup& setup) {
-  if (setup.options.baseline.densify == Densify::kAdaptive) return MakeAdaptiveDensifier(setup);
+bool Densifier::Acts(const Iteration& iteration) const { return iteration.refines; }
+
+std::unique_ptr<Densifier> MakeMcmcDensifier(const DensifierSetup& setup) {
   return std::make_unique<McmcDensifier>(setup);
 }
 

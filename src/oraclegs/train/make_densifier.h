@@ -4,7 +4,7 @@
 
 namespace oraclegs {
 
-/// Makes the densifier of --densify.
-std::unique_ptr<Densifier> MakeDensifier(const DensifierSetup& setup);
+/// Makes the densifier of 3DGS-MCMC on a CPU.
+std::unique_ptr<Densifier> MakeMcmcDensifier(const DensifierSetup& setup);
 
 }  // namespace oraclegs

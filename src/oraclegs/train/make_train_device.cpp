@@ -10,17 +10,6 @@ namespace oraclegs {
 
 std::unique_ptr<TrainDevice> MakeTrainDevice(Device device, const TrainDeviceSetup& setup) {
   if (device.is_cpu()) return MakeCpuTrainDevice(setup);
-  if (setup.options.baseline.densify != Densify::kMcmc) {
-    throw UsageError("--densify {} works on the CPU only; use --device cpu", Word(setup.options.baseline.densify));
-  }
-  if (CorrelatesDepth(setup.options)) {
-    throw UsageError("--depth-loss {} works on the CPU only; use --device cpu", Word(setup.options.depth_loss));
-  }
-  if (!setup.parts.empty()) {
-    throw UsageError(
-        "--hard-depth, --soft-depth-start, --pseudo-depth-weight and --prune-modes-at work on the CPU only; "
-        "use --device cpu");
-  }
 #if defined(ORACLEGS_CUDA)
   if (device.is_cuda()) return cuda::MakeCudaTrainDevice(device, setup);
 #endif

@@ -1,7 +1,10 @@
 #pragma once
-// Work that a published method does beside an iteration's view: other renders, other losses, removals. On the CPU only.
+// Work that a method does beside an iteration's view: other renders, other losses, removals. The parts of published
+// methods: baselines/make_parts.h.
 
+#include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "oraclegs/train/checkpoint.h"
@@ -9,27 +12,38 @@
 
 namespace oraclegs {
 
+/// Gradients of parts, dL/d(raw parameters) on the device of the training, which an iteration's step takes together
+/// with those of its view. They are valid until the step.
+using PartGradients = std::vector<const Gaussians*>;
+
+/// A part of the training. Models, renders and their gradients lie on the device of the training; OnHost, KeepRows
+/// (train/model_edits.h) and Buffer::To bring them to the host and back.
 class MethodPart {
  public:
   virtual ~MethodPart() = default;
+
+  /// Called once before the training, with its device.
+  virtual void Attach(const TrainDevice&) {}
 
   /// Called first in an iteration. May remove Gaussians with their moments (KeepRows); the densifier's state is then
   /// cleared.
   virtual void Remove(const Iteration&, TrainedModel*) {}
 
-  /// Called before the view of the iteration is rendered. Adds dL/d(raw parameters) of a loss of its own to `grads`,
-  /// which the iteration's step takes together with those of the view, and returns that loss. May step `model` itself,
-  /// but not change the number of its Gaussians. Renders with a rasterizer of its own. `grads` has no Gaussians where
-  /// AddsGradients of all parts is false.
-  virtual double BeforeView(const Iteration& iteration, TrainedModel* model, Gaussians* grads) = 0;
+  /// Called before the view of the iteration is rendered. May add gradients of a loss of its own, which it returns. May
+  /// step `model` itself, but not change the number of its Gaussians. Renders with a rasterizer of its own.
+  virtual double BeforeView(const Iteration&, TrainedModel*, PartGradients*) { return 0; }
 
-  /// Whether BeforeView writes to `grads`.
-  virtual bool AddsGradients() const { return true; }
+  /// The color behind a photo's render; nullopt = the run's.
+  virtual std::optional<std::array<float, 3>> Background(const Iteration&, const TrainView&) const { return {}; }
 
-  /// Checkpoint of the part's own model after an iteration; null where it has none.
-  virtual std::shared_ptr<const Checkpoint> Save() const { return {}; }
-  /// Continues from a checkpoint; null = from one that holds none. Throws InputError where it does not fit.
-  virtual void Restore(const Checkpoint*) {}
+  /// Called with the render of the iteration's view, after the loss on it. May add to `grads`, where an undefined
+  /// buffer stands for zeros, the gradient of a loss on that render, which it returns.
+  virtual double OnView(const Iteration&, const RenderOutput&, RenderGrads*) { return 0; }
+
+  /// Adds the part's state after an iteration, under names of its own.
+  virtual void Save(NamedState*) const {}
+  /// Restores what Save added. Throws InputError where it is missing or does not fit.
+  virtual void Restore(const NamedState&) {}
 };
 
 using MethodParts = std::vector<std::shared_ptr<MethodPart>>;

@@ -3,7 +3,6 @@
 #include <cstdint>
 
 #include "oraclegs/core/options.h"
-#include "oraclegs/train/baselines/options.h"
 #include "oraclegs/train/schedule.h"
 #include "oraclegs/train/step_constants.h"
 
@@ -21,17 +20,12 @@ struct EnumWords<ScheduleKind> {
 
 /// Quantity that the depth term compares.
 enum class DepthLoss {
-  kRelative,     ///< inverse depths in units of the scene's typical distance, weighted by their confidence
-  kPaper,        ///< inverse depths in units of the run under a mask of 0 and 1 (equation 5 of the OracleGS paper)
-  kCorrelation,  ///< 1 - the correlation of inverse depths (FSGS); on a CPU
-  kPatchedCorrelation,  ///< kCorrelation plus that of random patches (SparseGS); on a CPU
+  kRelative,  ///< inverse depths in units of the scene's typical distance, weighted by their confidence
+  kPaper,     ///< inverse depths in units of the run under a mask of 0 and 1 (equation 5 of the OracleGS paper)
 };
 template <>
 struct EnumWords<DepthLoss> {
-  static constexpr EnumWord<DepthLoss> kWords[] = {{DepthLoss::kRelative, "relative"},
-                                                   {DepthLoss::kPaper, "paper"},
-                                                   {DepthLoss::kCorrelation, "correlation"},
-                                                   {DepthLoss::kPatchedCorrelation, "patched-correlation"}};
+  static constexpr EnumWord<DepthLoss> kWords[] = {{DepthLoss::kRelative, "relative"}, {DepthLoss::kPaper, "paper"}};
 };
 
 /// Whether exposure maps are trained.
@@ -87,7 +81,6 @@ struct TrainOptions {
   ShMoments sh_moments = ShMoments::kHalf;
   bool antialiased = false;
   int random_points = 100000;
-  BaselineOptions baseline;
 
   /// The options with every automatic value replaced: by the default sizes, and otherwise by what 3DGS does, mostly
   /// "off".
@@ -167,11 +160,7 @@ struct TrainOptions {
     visit("depth-loss", self.depth_loss,
           "What the depth term compares: relative = as above, each pixel weighted by the confidence of its depth; "
           "paper = |1/z - target| in units of the run, all pixels of known depth alike (equation 5 of the OracleGS "
-          "paper); "
-          "correlation = 1 - their correlation, of a weight that is constant until 95 % of the run and a fiftieth of "
-          "it then (FSGS, Zhu et al., ECCV 2024, uses 0.05); "
-          "patched-correlation = that and three times as much of the mean over random patches (SparseGS, Xiong et al. "
-          "2023); the last two on the CPU only");
+          "paper)");
     visit("alpha-weight", self.alpha_weight,
           "Weight of the alpha (silhouette) loss where images have an alpha channel: mean |alpha - rendered|; 0 = off",
           Range{0, 1e3});
@@ -216,7 +205,6 @@ struct TrainOptions {
           "Iterations between relocations; auto = a fiftieth of them all, from 10 to 3DGS's 100", Range{1, 1e7});
     visit("refine-stop", self.refine_stop, "Fraction of the iterations after which relocation and growth end",
           Range{0, 1});
-    BaselineOptions::Visit(self.baseline, visit);
   }
 };
 

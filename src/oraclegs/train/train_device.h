@@ -6,6 +6,7 @@
 
 #include "oraclegs/render/render.h"
 #include "oraclegs/train/adam.h"
+#include "oraclegs/train/densify.h"
 #include "oraclegs/train/exposure.h"
 #include "oraclegs/train/loss_terms.h"
 #include "oraclegs/train/opacity_factors.h"
@@ -28,9 +29,8 @@ struct Iteration {
   SampledView view{};
   LearningRates rates;
   int sh_degree = 0;
-  bool moves = true;              ///< false in the last iteration
-  bool refines = false;           ///< relocates and grows
-  bool resets_opacities = false;  ///< only with --densify adaptive
+  bool moves = true;     ///< false in the last iteration
+  bool refines = false;  ///< Gaussians are relocated and added
   bool caps_scales = false;
 };
 
@@ -57,8 +57,11 @@ class TrainDevice {
   /// Copies the model to the host's memory.
   virtual TrainedModel Download(const TrainedModel& model) const = 0;
 
-  /// Runs the parts of other methods before the iteration's view (MethodPart::BeforeView).
-  virtual void RunParts(const Iteration&, TrainedModel*) {}
+  /// Makes another rasterizer, for renders beside the iteration's view.
+  virtual std::unique_ptr<Rasterizer> NewRasterizer() const = 0;
+
+  /// Runs the parts of the method before the iteration's view (MethodPart::Remove and BeforeView).
+  virtual void RunParts(const Iteration& iteration, TrainedModel* model) = 0;
 
   /// Draws the opacity factors, [n]; valid until the next call.
   virtual Buffer<float> OpacityFactors(const OpacityPerturbation& perturbation, int64_t n) = 0;
@@ -69,15 +72,9 @@ class TrainDevice {
   virtual void BackwardAndStep(const Iteration& iteration, const RenderGrads& upstream, TrainedModel* model) = 0;
   /// Caps the scales (scale_cap.h with --largest-scale), in iterations that do so, before Refine.
   virtual void CapScales(TrainedModel* model) = 0;
-  /// Runs --densify in iterations that refine or reset opacities: relocation, growth and noise, or clones, splits,
-  /// removals and resets.
+  /// Runs the densifier where it acts in this iteration.
   virtual void Refine(const Iteration& iteration, TrainedModel* model) = 0;
-  /// State of densification, on the CPU; empty for 3DGS-MCMC, which has none.
-  virtual ScreenGradients densify_state() const { return {}; }
-  /// Restores that state for a model of n Gaussians. Throws InputError when it is of another number.
-  virtual void RestoreDensify(const ScreenGradients&, int64_t) {}
-  /// Clears that state for a model of n Gaussians.
-  virtual void BeginDensify(int64_t) {}
+  virtual Densifier& densifier() = 0;
 
   /// Waits for the device. Throws RunError when the loss of an iteration since the last call was not finite.
   virtual LossReport Loss() = 0;
@@ -98,6 +95,7 @@ struct TrainDeviceSetup {
   const LossPlan& plan;
   int64_t start = 0;
   std::vector<std::shared_ptr<MethodPart>> parts = {};
+  DensifierMaker densifier = {};  ///< empty = that of 3DGS-MCMC
 };
 /// Makes the device of a run.
 using TrainDeviceMaker = std::function<std::unique_ptr<TrainDevice>(const TrainDeviceSetup& setup)>;

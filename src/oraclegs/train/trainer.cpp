@@ -6,11 +6,10 @@
 
 #include "oraclegs/camera/scene_bounds.h"
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/train/adaptive_density.h"
-#include "oraclegs/train/baselines/random_background.h"
 #include "oraclegs/train/checkpoint_folder.h"
 #include "oraclegs/train/diverged.h"
 #include "oraclegs/train/make_train_device.h"
+#include "oraclegs/train/model_edits.h"
 #include "oraclegs/train/refine_schedule.h"
 #include "oraclegs/train/schedule.h"
 
@@ -42,7 +41,7 @@ struct Trainer::State {
         plan(options, std::move(setup.data)),
         extent(SpatialExtent(Cameras(plan.photos()))),
         parts(std::move(setup.parts)),
-        device(make_device({options, plan, setup.start.size(), parts})),
+        device(make_device({options, plan, setup.start.size(), parts, std::move(setup.densifier)})),
         model(device->Upload({setup.start})),
         sampler(view_seed, plan.num_photos(), plan.num_proposals()) {}
 
@@ -86,7 +85,6 @@ Iteration Trainer::State::NextIteration() {
   next.view = sampler.Next(SyntheticProbability(i, options.Horizon(), options.Proposals()));
   next.moves = !IsLast(i);
   next.refines = Refines(options, i);
-  next.resets_opacities = ResetsOpacities(options, background == std::array<float, 3>{1, 1, 1}, i);
   // Also after the last relocation, since oversized Gaussians grow until the end.
   next.caps_scales = options.largest_scale > 0 && i % options.refine_every.value() == 0;
   return next;
@@ -103,8 +101,11 @@ Buffer<float> Trainer::State::OpacityFactors() {
 }
 
 std::array<float, 3> Trainer::State::BackgroundOf(const Iteration& next, const TrainView& view) const {
-  const bool is_whole_photo = next.view.kind == ViewKind::kPhoto && !view.alpha.defined();
-  return options.baseline.random_background && is_whole_photo ? RandomBackground(view_seed, next.number) : background;
+  if (next.view.kind == ViewKind::kProposal) return background;
+  for (const std::shared_ptr<MethodPart>& part : parts) {
+    if (const auto own = part->Background(next, view)) return *own;
+  }
+  return background;
 }
 
 void Trainer::State::Step() {
@@ -125,7 +126,7 @@ void Trainer::State::Step() {
   last_timings.render = device->TimingsSoFar();
   lap.To(&rendering);
   if (next.caps_scales) device->CapScales(&model);
-  if (next.refines || next.resets_opacities) device->Refine(next, &model);
+  device->Refine(next, &model);
   lap.To(&last_timings.refine);
   timings.Add(last_timings);
   iteration = next.number;
@@ -178,8 +179,8 @@ void Trainer::Restore(const Checkpoint& checkpoint) {
   s.sampler.Restore(checkpoint.sampler);
   s.device->RestoreExposures(checkpoint.exposures);
   s.device->RestoreLoss(checkpoint.loss);
-  s.device->RestoreDensify(checkpoint.densify, n);
-  for (const std::shared_ptr<MethodPart>& part : s.parts) part->Restore(checkpoint.second.get());
+  s.device->densifier().Restore(checkpoint.state, n);
+  for (const std::shared_ptr<MethodPart>& part : s.parts) part->Restore(checkpoint.state);
   s.iteration = checkpoint.iteration;
   s.model = {};  // first, so that two are never held at once
   s.model = s.device->Upload({checkpoint.gaussians, checkpoint.adam});
@@ -193,7 +194,7 @@ void Trainer::Restore(const Checkpoint& checkpoint) {
 void Trainer::Keep(const std::vector<int64_t>& rows) {
   State& s = *state_;
   KeepRows(rows, &s.model.gaussians, &s.model.adam);
-  s.device->BeginDensify(s.model.gaussians.size());
+  s.device->densifier().Begin(s.model.gaussians.size());
 }
 
 double Trainer::Step() {
@@ -290,13 +291,11 @@ Checkpoint Trainer::MakeCheckpoint() const {
   checkpoint.adam = std::move(model.adam);
   checkpoint.sampler = s.sampler.state();
   checkpoint.exposures = s.device->exposures();
-  checkpoint.densify = s.device->densify_state();
+  s.device->densifier().Save(&checkpoint.state);
   checkpoint.seconds = s.seconds;
   checkpoint.loss = s.device->Loss().smoothed;
   checkpoint.options = s.run_options;
-  for (const std::shared_ptr<MethodPart>& part : s.parts) {
-    if (auto second = part->Save()) checkpoint.second = std::move(second);
-  }
+  for (const std::shared_ptr<MethodPart>& part : s.parts) part->Save(&checkpoint.state);
   return checkpoint;
 }
 

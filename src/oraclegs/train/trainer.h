@@ -11,7 +11,6 @@
 #include "oraclegs/train/method_part.h"
 #include "oraclegs/train/observer.h"
 #include "oraclegs/train/options.h"
-#include "oraclegs/train/pseudo_depth.h"
 #include "oraclegs/train/timings.h"
 #include "oraclegs/train/train_device.h"
 #include "oraclegs/train/train_view.h"
@@ -39,8 +38,8 @@ struct TrainSetup {
   std::array<float, 3> background{};
   TrainingData data;
   Gaussians start;                ///< on the CPU
-  MethodParts parts = {};         ///< parts of other methods
-  PseudoDepth pseudo_depth = {};  ///< only for --pseudo-depth-weight
+  MethodParts parts = {};         ///< what a method does beside the view
+  DensifierMaker densifier = {};  ///< empty = that of 3DGS-MCMC
   /// Seed of the order of the views and of random backgrounds; nullopt = `seed`.
   std::optional<uint64_t> view_seed = {};
 };
@@ -71,7 +70,7 @@ class Trainer {
   /// Runs one iteration and returns the loss. For tests and benchmarks.
   double Step();
 
-  /// Keeps the Gaussians of these rows, with their moments, between iterations. On the CPU only.
+  /// Keeps the Gaussians of these rows, with their moments, between iterations.
   void Keep(const std::vector<int64_t>& rows);
 
   /// The model, on the device of the training.

@@ -1,7 +1,6 @@
 #include "oraclegs/train/view_loss.h"
 
 #include "oraclegs/loss/masked_l1.h"
-#include "oraclegs/loss/pearson_depth.h"
 
 namespace oraclegs {
 namespace {
@@ -33,16 +32,13 @@ struct ViewLoss::Rendered {
   const RenderOutput& out;
   const Buffer<float>& shown;   // the image through the exposure map
   std::optional<int> exposure;  // number of the map
-  uint64_t seed;                // of patches
-  int64_t iteration;
 };
 
 ViewLoss::ViewLoss(const LossPlan& plan) : plan_(plan) {
   if (const auto start = plan.StartExposures(); !start.empty()) exposures_.emplace(start);
 }
 
-ViewLossResult ViewLoss::operator()(const SampledView& sampled, int64_t iteration, const RenderOutput& out,
-                                    uint64_t seed) {
+ViewLossResult ViewLoss::operator()(const SampledView& sampled, int64_t iteration, const RenderOutput& out) {
   const TrainView& view = plan_.View(sampled);
   const LossTerms terms = plan_.Terms(sampled, iteration);
   ViewLossResult result;
@@ -52,7 +48,7 @@ ViewLossResult ViewLoss::operator()(const SampledView& sampled, int64_t iteratio
     shown = exposed_image_.Get({view.camera.height, view.camera.width, 3});
     exposures_->Apply(*terms.exposure, out.image, shown);
   }
-  const Rendered rendered{view, out, shown, terms.exposure, seed, iteration};
+  const Rendered rendered{view, out, shown, terms.exposure};
   for (const LossTerm& term : terms) result.loss += Evaluate(term, rendered, &result);
   RequireFinite(result.loss, iteration, view);
   if (terms.exposure_rate > 0) exposures_->Step(*terms.exposure, exposure_gradient_, terms.exposure_rate);
@@ -76,23 +72,6 @@ double ViewLoss::Evaluate(const LossTerm& term, const Rendered& rendered, ViewLo
     case TermKind::kInvDepth:
       grads->inv_depth = grad_inv_depth_.Get({view.camera.height, view.camera.width});
       return result->depth = MaskedL1(rendered.out.inv_depth, target, mask, term.weight, &grads->inv_depth);
-    case TermKind::kDepthCorrelation:
-      grads->inv_depth = grad_inv_depth_.Get({view.camera.height, view.camera.width});
-      return result->depth = PearsonDepthLoss({rendered.out.inv_depth, target, mask}, term.weight, &grads->inv_depth);
-    case TermKind::kPatchedDepthCorrelation: {
-      const DepthImages images{rendered.out.inv_depth, target, mask};
-      Buffer<float> more = grad_patches_.Get({view.camera.height, view.camera.width});
-      const std::vector<ImagePatch> patches =
-          RandomPatches(view.camera.height, view.camera.width, {}, rendered.seed, rendered.iteration);
-      const double loss = PatchPearsonDepthLoss(images, patches, term.weight, &more);
-      if (!grads->inv_depth.defined()) {
-        grads->inv_depth = more;
-      } else {
-        for (int64_t i = 0; i < more.count(); ++i) grads->inv_depth[i] += more[i];
-      }
-      result->depth += loss;
-      return loss;
-    }
     case TermKind::kAlpha:
       grads->alpha = grad_alpha_.Get({view.camera.height, view.camera.width});
       return result->alpha = MaskedL1(rendered.out.alpha, target, mask, term.weight, &grads->alpha);

@@ -23,11 +23,11 @@ class ViewLoss {
   /// `plan` outlives this.
   explicit ViewLoss(const LossPlan& plan);
 
-  /// Returns the loss and its gradients. out: the render of plan.View(sampled). seed: for random patches. Throws
+  /// Returns the loss and its gradients. out: the render of plan.View(sampled). Throws
   /// RunError when the loss is not finite, before an exposure map is stepped. The last iteration steps no map. Depth
   /// and alpha of grads stay undefined, which the rasterizer takes for zero at no cost, where the loss has no such
   /// term.
-  ViewLossResult operator()(const SampledView& sampled, int64_t iteration, const RenderOutput& out, uint64_t seed = 0);
+  ViewLossResult operator()(const SampledView& sampled, int64_t iteration, const RenderOutput& out);
 
   /// The exposure maps; nullptr where they are not trained.
   Exposures* exposures() { return exposures_ ? &*exposures_ : nullptr; }
@@ -42,7 +42,7 @@ class ViewLoss {
   PhotometricLoss photometric_;
   std::optional<Exposures> exposures_;
   ExposureGradient exposure_gradient_{};
-  ImageBuffer grad_image_, grad_inv_depth_, grad_patches_, grad_alpha_, exposed_image_;
+  ImageBuffer grad_image_, grad_inv_depth_, grad_alpha_, exposed_image_;
 };
 
 }  // namespace oraclegs

@@ -18,7 +18,7 @@ std::string RunName(const BenchPlan& plan, const BenchRun& run) {
 
 /// Options of a run. Later ones win: the suite's, the method's usual ones, the user's, those that make the method.
 RunArguments ArgumentsOf(const BenchRequest& request, const BenchPlan& plan, const BenchRun& run) {
-  const SuiteSettings method = plan.methods[run.method].For(plan.suite.name);
+  const MethodSettings method = plan.methods[run.method].For(plan.suite.name);
   RunArguments arguments = Overlaid(plan.suite.protocol(plan.checks[run.check].views), method.usual);
   arguments = Overlaid(Overlaid(std::move(arguments), request.asked), method.options);
   return Overlaid(std::move(arguments), {{"seed", std::to_string(run.seed)}, {"report", "false"}});

@@ -1,129 +1,84 @@
 #include "oraclegs/experiments/bench/methods.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
+#include "oraclegs/baselines/methods.h"
 #include "oraclegs/core/nearest_word.h"
 #include "oraclegs/core/text.h"
 
 namespace oraclegs {
 namespace {
 
-/// Rates and terms of 3DGS and the programs built on it, where this program's own differ.
-RunArguments Plain3dgs() {
-  return {{"proposers", "none"},    {"depth-prior", "stereo"}, {"depth-weight", "0"},
-          {"alpha-weight", "0"},    {"opacity-noise", "0"},    {"dropout", "0"},
-          {"largest-scale", "0"},   {"exposure", "off"},       {"prune-floaters", "false"},
-          {"last-rates", "1"},      {"rate-scale", "1"},       {"sh-degree-interval", "1000"},
-          {"refine-start", "500"},  {"refine-every", "100"},   {"init-scale", "0.1"},
-          {"init-planes", "false"}, {"sh-moments", "full"},    {"frame", "scene"}};
+RunOptions Ours(const Method&, const std::string&) { return {}; }
+
+RunOptions OursWithoutProposals(const Method&, const std::string&) {
+  RunOptions run;
+  run.propose.proposers = ProposerChoice::kNone;
+  return run;
 }
 
-/// Settings of methods with adaptive density control, which works on a CPU only.
-RunArguments Adaptive() {
-  return Overlaid(Plain3dgs(), {{"device", "cpu"},
-                                {"densify", "adaptive"},
-                                {"opacity-reg", "0"},
-                                {"scale-reg", "0"},
-                                {"refine-stop", "0.5"},
-                                {"max-gaussians", "500000"},
-                                {"init-scale", "1"},
-                                {"init-opacity", "0.1"}});
+/// A published training, from dense points of the training views: the authors' are COLMAP's, this program's stereo's.
+RunOptions Published(const Method& method, const std::string& suite) {
+  const BaselineMethod& baseline = BaselineFor(method.name, suite);
+  RunOptions run = OursWithoutProposals(method, suite);
+  run.method.method = baseline.word;
+  run.train = baseline.train;
+  run.input.frame = FrameKind::kScene;
+  run.depth.depth_prior = DepthPrior::kStereo;
+  run.start.init = StartKind::kDense;
+  run.start.init_scale = baseline.own.adaptive ? 1 : 0.1;
+  run.start.init_opacity = baseline.own.adaptive ? 0.1 : 0.5;
+  run.start.init_flatness = 1;
+  run.start.init_planes = false;
+  return run;
 }
 
-/// Settings that the programs of FSGS, CoR-GS and DropGaussian share for few photos: fewer clones, densification until
-/// the end, no size pruning.
-RunArguments ForFewPhotos() {
-  return Overlaid(Adaptive(), {{"densify-gradient", "0.0005"}, {"refine-stop", "1"}, {"keep-large", "true"}});
+/// A published training that sees the depth of a network where its weights are.
+RunOptions WithNetworkDepth(const Method& method, const std::string& suite) {
+  RunOptions run = Published(method, suite);
+  run.depth.depth_prior = {};
+  return run;
 }
 
-/// Start of the methods for few photos. They use COLMAP's dense points, this program stereo's; both see the training
-/// views only.
-RunArguments FromDensePoints(const std::string& iterations) { return {{"iterations", iterations}, {"init", "dense"}}; }
-
-/// Settings of DNGaussian on LLFF and DTU.
-RunArguments DnGaussianOfPhotos() {
-  return {{"depth-step-every", "1"}, {"densify-opacity", "0.1"}, {"prune-opacity", "0.01"}};
+/// The authors' training without points; the OracleGS paper's ablation begins with it.
+RunOptions FromRandomPoints(const Method& method, const std::string& suite) {
+  RunOptions run = Published(method, suite);
+  run.depth.depth_prior = DepthPrior::kNone;
+  run.start.init = StartKind::kRandomCube;
+  return run;
 }
 
 }  // namespace
 
-SuiteSettings Method::For(const std::string& suite) const {
-  const auto own = of_suites.find(suite);
-  if (own == of_suites.end()) return {options, usual};
-  return {Overlaid(options, own->second.options), Overlaid(usual, own->second.usual)};
+MethodSettings Method::For(const std::string& suite) const {
+  const RunOptions run = options(*this, suite);
+  const nlohmann::json set = RunOptionsToJson(run), defaults = RunOptionsToJson(RunOptions{});
+  MethodSettings settings;
+  for (const auto& [option, value] : set.items()) {
+    if (value == defaults.at(option)) continue;
+    const bool is_usual = option == "iterations" || (option == "init" && run.start.init == StartKind::kDense);
+    (is_usual ? settings.usual : settings.options)
+        .emplace_back(option, value.is_string() ? value.get<std::string>() : value.dump());
+  }
+  return settings;
 }
 
 const std::vector<Method>& Methods() {
+  static const char* const kStandIn = "monocular depth; stereo's stands in for it";
   static const std::vector<Method> methods = {
-      {"ours", "OracleGS (this program)", "", {}, {}, ""},
-      {"ours-no-proposals", "OracleGS without proposals", "", {{"proposers", "none"}}, {}, ""},
-      {"3dgs", "3DGS", "Kerbl 2023", Adaptive(), FromDensePoints("10000"), ""},
-      {"3dgs-mcmc", "3DGS-MCMC", "Kheradmand 2024", Plain3dgs(), FromDensePoints("10000"), ""},
-      // The authors' training without points; the OracleGS paper's ablation begins with it.
-      {"3dgs-mcmc-random",
-       "3DGS-MCMC, random start",
-       "Kheradmand 2024",
-       Overlaid(Plain3dgs(), {{"depth-prior", "none"}, {"init", "random-cube"}}),
-       {{"iterations", "10000"}},
-       ""},
-      {"dropgaussian", "DropGaussian", "Park 2025", Overlaid(ForFewPhotos(), {{"dropout", "0.2"}}),
-       FromDensePoints("10000"), ""},
-      {"fsgs",
-       "FSGS",
-       "Zhu 2024",
-       Overlaid(ForFewPhotos(), {{"depth-prior", "auto"},
-                                 {"depth-loss", "correlation"},
-                                 {"depth-weight", "0.05"},
-                                 {"pseudo-depth-weight", "0.05"},
-                                 {"sh-degree-interval", "500"},
-                                 {"opacity-reset-first", "2001"},
-                                 {"opacity-reset-to", "0.05"},
-                                 {"split-lonely", "true"},
-                                 {"unpool-until", "2000"}}),
-       FromDensePoints("10000"),
-       "monocular depth; stereo's stands in for it",
-       {{"llff", {{{"pseudo-depth-weight", "0.5"}, {"pseudo-depth-every", "1"}}}},
-        {"mipnerf360", {{{"pseudo-depth-weight", "0.03"}}}}}},
-      {"cor-gs",
-       "CoR-GS",
-       "Zhang 2024",
-       Overlaid(ForFewPhotos(), {{"two-fields", "true"},
-                                 {"sh-degree-interval", "500"},
-                                 {"opacity-reset-first", "501"},
-                                 {"opacity-reset-to", "0.05"},
-                                 {"random-background", "true"},
-                                 {"split-lonely", "true"}}),
-       FromDensePoints("10000"),
-       "",
-       {{"dtu", {{{"co-prune-distance", "10"}, {"co-start", "2000"}}}},
-        {"blender", {{{"random-background", "false"}}}},
-        {"mipnerf360", {{{"co-prune-distance", "20"}, {"refine-stop", "0.5"}}, {{"iterations", "30000"}}}}}},
-      {"dngaussian",
-       "DNGaussian",
-       "Li 2024",
-       Overlaid(Adaptive(), {{"depth-prior", "auto"},
-                             {"densify-gradient", "0.0005"},
-                             {"refine-stop", "1"},
-                             {"hard-depth", "true"},
-                             {"soft-depth-start", "1000"},
-                             {"depth-step-every", "10"},
-                             {"depth-tolerance", "0.01"}}),
-       FromDensePoints("6000"),
-       "monocular depth; stereo's stands in for it",
-       {{"llff", {Overlaid(DnGaussianOfPhotos(), {{"depth-tolerance", "0.00025"}, {"densify-gradient", "0.0013"}})}},
-        {"dtu", {Overlaid(DnGaussianOfPhotos(), {{"densify-gradient", "0.001"}})}},
-        {"blender", {{{"soft-depth-start", "0"}}}}}},
-      // The published run has 30000 iterations, prunes at 20000 and densifies until 18000.
-      {"sparsegs", "SparseGS", "Xiong 2023",
-       Overlaid(Adaptive(), {{"depth-prior", "auto"},
-                             {"depth-loss", "patched-correlation"},
-                             {"depth-weight", "0.05"},
-                             {"refine-stop", "0.6"},
-                             {"prune-opacity", "0.05"},
-                             {"prune-modes-at", "6667"}}),
-       FromDensePoints("10000"), "monocular depth; stereo's stands in for it, and there is no diffusion model"},
-      {"comapgs", "CoMapGS", "Jang 2025", Overlaid(ForFewPhotos(), {{"covisibility-weights", "true"}}),
-       FromDensePoints("10000"), "matches of a network; the depth of stereo stands in for them"},
+      {"ours", "OracleGS (this program)", "", Ours},
+      {"ours-no-proposals", "OracleGS without proposals", "", OursWithoutProposals},
+      {"3dgs", "3DGS", "Kerbl 2023", Published},
+      {"3dgs-mcmc", "3DGS-MCMC", "Kheradmand 2024", Published},
+      {"3dgs-mcmc-random", "3DGS-MCMC, random start", "Kheradmand 2024", FromRandomPoints},
+      {"dropgaussian", "DropGaussian", "Park 2025", Published},
+      {"fsgs", "FSGS", "Zhu 2024", WithNetworkDepth, kStandIn},
+      {"cor-gs", "CoR-GS", "Zhang 2024", Published},
+      {"dngaussian", "DNGaussian", "Li 2024", WithNetworkDepth, kStandIn},
+      {"sparsegs", "SparseGS", "Xiong 2023", WithNetworkDepth,
+       "monocular depth; stereo's stands in for it, and there is no diffusion model"},
+      {"comapgs", "CoMapGS", "Jang 2025", Published, "matches of a network; the depth of stereo stands in for them"},
   };
   return methods;
 }

@@ -1,7 +1,6 @@
 #pragma once
-// Methods that a benchmark compares: named settings of `oraclegs reconstruct`.
+// Methods that a benchmark compares: settings of `oraclegs reconstruct`.
 
-#include <map>
 #include <string>
 #include <vector>
 
@@ -9,24 +8,22 @@
 
 namespace oraclegs {
 
-/// Settings for one suite, which win over the method's own.
-struct SuiteSettings {
-  RunArguments options;
-  RunArguments usual = {};
+/// Settings of a method for one suite.
+struct MethodSettings {
+  RunArguments options;  ///< make the method what it is; win over the suite's and the user's
+  RunArguments usual;    ///< win over the suite's, but not over the user's
 };
 
 struct Method {
-  std::string name;      ///< for --methods and folders
+  std::string name;      ///< for --methods and folders; that of its row in baselines/methods.h, where it is published
   std::string label;     ///< for tables
   std::string citation;  ///< a key of docs/references.md, or "" for this program's own
-  RunArguments options;  ///< make the method what it is; win over the suite's and the user's
-  RunArguments usual;    ///< win over the suite's, but not over the user's
-  std::string needs;     ///< requirements of the method, for people; "" = none
-  /// Settings of its authors for these datasets, by the names of suites.
-  std::map<std::string, SuiteSettings> of_suites = {};
+  /// The options of its runs; others have their defaults.
+  RunOptions (*options)(const Method& method, const std::string& suite);
+  std::string needs = "";  ///< requirements of the method, for people; "" = none
 
-  /// `options` and `usual`, overlaid with those for the suite.
-  SuiteSettings For(const std::string& suite) const;
+  /// Options that differ from the defaults, for the suite of this name.
+  MethodSettings For(const std::string& suite) const;
 };
 
 /// A new method is a new row.

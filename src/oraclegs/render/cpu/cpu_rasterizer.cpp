@@ -149,11 +149,7 @@ class CpuRasterizer final : public Rasterizer {
     stats_.pixel_pairs_backward =
         SumOverTiles([&](int64_t tile) { return BlendTileBackward(Work(tile), blend_, up, records_.data()); });
     timings_.blend_backward = clock.Lap();
-    if (watched_.sum.defined()) {
-      for (const Buffer<float>* watched : {&watched_.sum, &watched_.views}) {
-        RequireShape("Rasterizer", "watched screen gradients", *watched, {gaussians.size()});
-      }
-    }
+    RequireWatched(watched_, gaussians.size(), kCpu);
     return {lists_.ranges.data(), lists_.pair_tile.data(), records_.data(),
             splats_.data(),       watched_.sum.data(),     watched_.views.data()};
   }

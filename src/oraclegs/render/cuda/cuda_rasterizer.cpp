@@ -51,6 +51,10 @@ class CudaRasterizer final : public Rasterizer {
     core_.EndBackward();
   }
 
+  void WatchScreen(const ScreenGradients* watched) override {
+    watched_ = watched == nullptr ? ScreenGradients() : *watched;
+  }
+
   void ReserveGaussians(int64_t n) override { core_.ReserveGaussians(n); }
 
   RenderTimings timings() const override {
@@ -69,13 +73,17 @@ class CudaRasterizer final : public Rasterizer {
   GaussianBackwardInput BlendBackward(const Gaussians& gaussians, const RenderGrads& upstream) {
     const GaussianParameters parameters = BackwardParameters(gaussians, trained_size_);
     const UpstreamPlanes planes = PlanesOf(upstream, height_, width_, device_);
+    RequireWatched(watched_, gaussians.size(), device_);
     UseDevice(device_.index);
-    return core_.BlendBackward(parameters, planes);
+    GaussianBackwardInput in = core_.BlendBackward(parameters, planes);
+    in.screen_sums = watched_.sum.data(), in.screen_views = watched_.views.data();
+    return in;
   }
 
   Device device_;
   RasterCore core_;
   ImageBuffer image_, alpha_, inv_depth_;
+  ScreenGradients watched_;  // undefined = none
   int64_t trained_size_ = -1, height_ = 0, width_ = 0;
 };
 

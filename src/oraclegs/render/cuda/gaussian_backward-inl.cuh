@@ -58,6 +58,12 @@ __device__ inline GaussianGrad BackwardOfOne(const GaussianBackwardInput& in, in
   const ProjectedSplat<float> p = Project(chain, camera);
   const ProjectedGrad<float> g = ProjectedGradOf(
       p, BlendSums<float>{sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6], sums[7], sums[8], sums[9]});
+  if (in.screen_sums != nullptr) {
+    const float x = g.mx * (0.5f * static_cast<float>(camera.width));
+    const float y = g.my * (0.5f * static_cast<float>(camera.height));
+    in.screen_sums[i] += sqrtf(x * x + y * y);
+    in.screen_views[i] += 1;
+  }
   const RawGrad<float> small = ProjectBackward(chain, camera, g);
   const int coefficients = (camera.sh_degree + 1) * (camera.sh_degree + 1);
   const auto store = [row, coefficients](const float* basis, const Vec3<float>& g_color) {

@@ -61,6 +61,8 @@ struct GaussianBackwardInput {
   const uint32_t *begins, *counts;  ///< [n] pairs of each Gaussian: number of the first, count
   const float* records;             ///< [pairs, kRecord], see BlendBackward
   cudaStream_t stream;              ///< where the stage is queued
+  float* screen_sums = nullptr;     ///< [n] added to ScreenGradients::sum; null = not watched
+  float* screen_views = nullptr;    ///< [n] added to ScreenGradients::views
 };
 
 }  // namespace oraclegs::cuda

@@ -2,17 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "oraclegs/render/cuda/cuda_rasterizer.h"
+#include "oraclegs/train/cuda/cuda_mcmc.h"
 #include "oraclegs/train/cuda/cuda_view_loss.h"
 #include "oraclegs/train/cuda/opacity_factors.h"
-#include "oraclegs/train/cuda/refine.h"
 #include "oraclegs/train/cuda/scale_cap.h"
 #include "oraclegs/train/cuda/step.h"
-#include "oraclegs/train/mcmc.h"
 #include "oraclegs/train/memory_estimate.h"
+#include "oraclegs/train/method_part.h"
 #include "oraclegs/train/noise.h"
 #include "oraclegs/train/regularizers.h"
 #include "oraclegs/train/scale_cap.h"
@@ -32,42 +33,42 @@ struct DeviceStep final : GradientConsumer {
   void ConsumeOnDevice(const GaussianBackwardInput& in) override { RunStep(in, step); }
 };
 
+/// Takes no step, in iterations that a densifier watches alone.
+struct NoDeviceStep final : GradientConsumer {
+  void ConsumeOnDevice(const GaussianBackwardInput& in) override { RunWithoutStep(in); }
+};
+
 class CudaTrainDevice final : public TrainDevice {
  public:
   CudaTrainDevice(Device device, const TrainDeviceSetup& setup)
       : device_(device),
         options_(setup.options),
         plan_(setup.plan),
+        parts_(setup.parts),
         rasterizer_(MakeCudaRasterizer(device)),
         capacity_(std::max<int64_t>(options_.max_gaussians.value(), setup.start)),
         loss_(plan_, ViewsOnDevice(), device) {
     ReserveForCapacity();
     accumulator_.ReserveExactly(1);
     accumulator_.FillBytes(0, 1, kStream);
-    std::vector<double> choose;
-    for (const auto& row : Binomials()) choose.insert(choose.end(), row.begin(), row.end());
-    choose_.Upload(choose.data(), static_cast<int64_t>(choose.size()));
-    if (options_.prune_floaters) {
-      const std::vector<DepthView> views = loss_.views().DepthViews(plan_.photos());
-      num_depth_views_ = static_cast<int>(views.size());
-      depth_views_.Upload(views.data(), num_depth_views_);
-      floater_counts_.ReserveExactly(2);
-    }
     const std::vector<float> centers = CameraCenters(plan_.photos());
     num_cameras_ = static_cast<int>(centers.size() / 3);
     camera_centers_.Upload(centers.data(), static_cast<int64_t>(centers.size()));
     unchecked_.reserve(kMaxUnchecked);
+    const DensifierSetup densifier{options_, plan_, rasterizer_.get(), device_};
+    densifier_ =
+        setup.densifier ? setup.densifier(densifier) : MakeCudaMcmcDensifier(densifier, loss_.views(), capacity_);
+    densifier_->Begin(setup.start);
+    for (const std::shared_ptr<MethodPart>& part : parts_) part->Attach(*this);
   }
 
   Rasterizer& rasterizer() override { return *rasterizer_; }
   RenderTimings TimingsSoFar() const override { return {}; }
+  std::unique_ptr<Rasterizer> NewRasterizer() const override { return MakeCudaRasterizer(device_); }
 
   /// Uploads with room for max_gaussians, so that no growth copies them.
   TrainedModel Upload(const TrainedModel& host) override {
-    if (host.gaussians.size() > capacity_) {  // a checkpoint of more
-      capacity_ = host.gaussians.size();
-      ReserveForCapacity();
-    }
+    RequireCapacity(host.gaussians.size());  // a checkpoint may have more
     TrainedModel model{host.gaussians,
                        host.adam.size() > 0 ? host.adam : Adam(host.gaussians.size(), options_.sh_moments)};
     const auto upload = [&](const char*, auto& buffer) { buffer = OnDeviceWithRoom(buffer); };
@@ -83,6 +84,17 @@ class CudaTrainDevice final : public TrainDevice {
     return host;
   }
 
+  void RunParts(const Iteration& iteration, TrainedModel* model) override {
+    loss_of_parts_ = 0;
+    part_gradients_.clear();
+    const int64_t before = model->gaussians.size();
+    for (const std::shared_ptr<MethodPart>& part : parts_) part->Remove(iteration, model);
+    if (model->gaussians.size() != before) densifier_->Begin(model->gaussians.size());
+    for (const std::shared_ptr<MethodPart>& part : parts_) {
+      loss_of_parts_ += part->BeforeView(iteration, model, &part_gradients_);
+    }
+  }
+
   Buffer<float> OpacityFactors(const OpacityPerturbation& perturbation, int64_t n) override {
     if (!opacity_factors_.defined()) {
       opacity_factors_ = Buffer<float>::Empty({capacity_}, device_, "opacity factors");
@@ -95,14 +107,18 @@ class CudaTrainDevice final : public TrainDevice {
 
   RenderGrads LossOfView(const Iteration& iteration, const RenderOutput& out) override {
     sums_ = {};
-    return loss_(iteration.view, iteration.number, out, &sums_);
+    RenderGrads grads = loss_(iteration.view, iteration.number, out, &sums_);
+    for (const std::shared_ptr<MethodPart>& part : parts_) loss_of_parts_ += part->OnView(iteration, out, &grads);
+    sums_.constant += loss_of_parts_;
+    return grads;
   }
 
   void BackwardAndStep(const Iteration& iteration, const RenderGrads& upstream, TrainedModel* model) override {
     const int64_t n = model->gaussians.size();
     const RegularizerSums weights = RegularizerOptions{options_.opacity_reg, options_.scale_reg}.PerEntry(n);
     RunRegularizerSums({n, model->gaussians.Rows(), regularizer_sums_.data()}, kStream);  // of what has not moved yet
-    if (iteration.moves) {
+    const bool adds_noise = densifier_->AddsNoise();
+    if (iteration.moves && (adds_noise || !iteration.refines)) {
       DeviceStep device_step;
       StepConstants& step = device_step.step;
       step.params = model->gaussians.Rows();
@@ -110,8 +126,13 @@ class CudaTrainDevice final : public TrainDevice {
       step.moments = model->adam.Rows();
       step.regularizers = {static_cast<float>(weights.opacity), static_cast<float>(weights.scale)};
       step.noise = NoiseOf(iteration);
-      step.adds_noise = !iteration.refines;  // else it comes after relocation and growth
+      step.adds_noise = adds_noise && !iteration.refines;  // else it comes after relocation and growth
+      if (part_gradients_.size() > kMaxPartGradients) throw std::logic_error("too many parts add gradients");
+      for (const Gaussians* part : part_gradients_) step.part_gradients[step.parts++] = part->Rows();
       rasterizer_->BackwardInto(model->gaussians, upstream, &device_step);
+    } else if (iteration.moves) {
+      NoDeviceStep none;
+      rasterizer_->BackwardInto(model->gaussians, upstream, &none);
     }
     sums_.Add({&regularizer_sums_.data()->opacity, StepBlocks(n), 2, weights.opacity});
     sums_.Add({&regularizer_sums_.data()->scale, StepBlocks(n), 2, weights.scale});
@@ -127,26 +148,11 @@ class CudaTrainDevice final : public TrainDevice {
   }
 
   void Refine(const Iteration& iteration, TrainedModel* model) override {
-    const int64_t n = model->gaussians.size();
-    if (options_.prune_floaters) {
-      RunPruneFloaters(
-          {model->gaussians.Rows(), n, depth_views_.data(), num_depth_views_, floats_.data(), floater_counts_.data()},
-          kStream);
-    }
-    const RefineInput in = Refinement(iteration, *model);
-    RunRelocate(in, kStream);
-    if (const int64_t added = GrowthOf(n, options_.max_gaussians.value()); added > 0) {
-      RunWeigh(in, kStream);
-      total_weight_.Ask(in.scratch.weights + n - 1, kStream);
-      if (total_weight_.Get() > 0) {
-        const auto grow = [&](auto& buffer) { buffer = buffer.GrownTo(n + added); };
-        model->gaussians.ForEach([&](const char*, Buffer<float>& buffer) { grow(buffer); });
-        model->adam.ForEachMoment([&](const char*, const char*, auto& buffer) { grow(buffer); });
-        RunGrow(in, added, kStream);
-      }
-    }
-    RunNoise({model->gaussians.size(), model->gaussians.Rows(), NoiseOf(iteration)}, kStream);
+    if (!densifier_->Acts(iteration)) return;
+    densifier_->Refine(iteration, model);
+    RequireCapacity(model->gaussians.size());
   }
+  Densifier& densifier() override { return *densifier_; }
 
   LossReport Loss() override {
     read_accumulator_.Ask(accumulator_.data(), kStream);
@@ -194,52 +200,38 @@ class CudaTrainDevice final : public TrainDevice {
     return MeansNoise{iteration.seed, iteration.number, iteration.rates.means}.Constants();
   }
 
-  /// Allocates every per-Gaussian buffer except the model.
+  /// Makes room for the work on that many Gaussians.
+  void RequireCapacity(int64_t gaussians) {
+    if (gaussians <= capacity_) return;
+    capacity_ = gaussians;
+    ReserveForCapacity();
+  }
+
+  /// Allocates every per-Gaussian buffer except those of the model and of the densifier.
   void ReserveForCapacity() {
     regularizer_sums_.ReserveExactly(StepBlocks(capacity_));
     opacity_factors_ = Buffer<float>();
-    if (options_.prune_floaters) floats_.ReserveExactly(capacity_);
     rasterizer_->ReserveGaussians(capacity_);
-    weights_.ReserveExactly(capacity_);
-    ranks_.ReserveExactly(capacity_);
-    totals_.ReserveExactly(RefineBlocks(capacity_));
-    sources_.ReserveExactly(capacity_);
-    draws_.ReserveExactly(capacity_);
-  }
-
-  RefineInput Refinement(const Iteration& iteration, const TrainedModel& model) {
-    RefineInput in;
-    in.seed = iteration.seed;
-    in.iteration = iteration.number;
-    in.count = model.gaussians.size();
-    in.params = model.gaussians.Rows();
-    in.moments = model.adam.Rows();
-    in.scratch = {weights_.data(), ranks_.data(), totals_.data(), sources_.data(), draws_.data(), choose_.data()};
-    return in;
   }
 
   Device device_;
   TrainOptions options_;
   const LossPlan& plan_;
+  MethodParts parts_;
   std::unique_ptr<Rasterizer> rasterizer_;
-  int64_t capacity_;  // Gaussians
+  std::unique_ptr<Densifier> densifier_;  // watches the rasterizer
+  int64_t capacity_;                      // Gaussians
   CudaViewLoss loss_;
   LossSums sums_;                     // of the iteration
+  PartGradients part_gradients_;      // of the iteration
+  double loss_of_parts_ = 0;          // of the iteration
   std::vector<Iteration> unchecked_;  // whose loss the host has not seen
   DeviceArray<RegularizerSums> regularizer_sums_{"the sums of the loss"};
   DeviceArray<LossAccumulator> accumulator_{"the sums of the loss"};
   Readback<LossAccumulator> read_accumulator_;
-  Readback<uint64_t> total_weight_;
   Buffer<float> opacity_factors_;  // [capacity]
-  DeviceArray<uint64_t> weights_{"relocation"}, ranks_{"relocation"}, totals_{"relocation"};
-  DeviceArray<int> sources_{"relocation"}, draws_{"relocation"};
-  DeviceArray<double> choose_{"relocation"};
   DeviceArray<float> camera_centers_{"the cameras' positions"};
   int num_cameras_ = 0;
-  DeviceArray<DepthView> depth_views_{"the pruning of floaters"};
-  int num_depth_views_ = 0;
-  DeviceArray<uint8_t> floats_{"the pruning of floaters"};
-  DeviceArray<int> floater_counts_{"the pruning of floaters"};
 };
 
 }  // namespace

@@ -98,9 +98,6 @@ void CudaViewLoss::Queue(const LossTerm& term, const Rendered& rendered, RenderG
       grads->inv_depth = grad_inv_depth_.Head(rendered.out.inv_depth.shape());
       queue_masked_l1(rendered.out.inv_depth, grads->inv_depth, depth_sums_.data());
       break;
-    case TermKind::kDepthCorrelation:
-    case TermKind::kPatchedDepthCorrelation:
-      break;  // MakeTrainDevice has refused them
     case TermKind::kAlpha:
       grads->alpha = grad_alpha_.Head(rendered.out.alpha.shape());
       queue_masked_l1(rendered.out.alpha, grads->alpha, alpha_sums_.data());

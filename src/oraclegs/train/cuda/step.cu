@@ -171,6 +171,45 @@ struct StepConsumer {
   }
 };
 
+/// The gradients of parts are added to each of the view's before its step.
+struct PartStepConsumer {
+  StepConsumer consumer;
+
+  __device__ void ConsumeSmall(int64_t i, const GaussianGrad& of_view) const {
+    GaussianGrad grad = of_view;
+    const StepConstants& step = consumer.step;
+    for (int part = 0; part < step.parts; ++part) {
+      const GaussianRows& rows = step.part_gradients[part];
+      const SmallRow row = LoadRow(rows, i);
+      for (int k = 0; k < 3; ++k) grad.mean[k] += row.mean[k];
+      for (int k = 0; k < 3; ++k) grad.log_scale[k] += row.log_scale[k];
+      for (int k = 0; k < 4; ++k) grad.quat[k] += row.quat[k];
+      grad.logit += row.logit;
+      for (int k = 0; k < kColors; ++k) grad.sh0[k] += rows.sh[i * kShFloats + k];
+    }
+    consumer.ConsumeSmall(i, grad);
+  }
+
+  /// Coefficients above the active degree have no gradient, and their rows hold anything.
+  __device__ void ConsumeSh(int64_t i, int first, float4 grad) const {
+    const StepConstants& step = consumer.step;
+    float sums[4] = {grad.x, grad.y, grad.z, grad.w};
+    for (int part = 0; part < step.parts; ++part) {
+      const float* row = step.part_gradients[part].sh + i * kShFloats;
+      for (int k = 0; k < 4; ++k) {
+        if (first + k < step.adam.sh_active) sums[k] += row[first + k];
+      }
+    }
+    consumer.ConsumeSh(i, first, make_float4(sums[0], sums[1], sums[2], sums[3]));
+  }
+};
+
+/// Consumer of nothing.
+struct IgnoringConsumer {
+  __device__ void ConsumeSmall(int64_t, const GaussianGrad&) const {}
+  __device__ void ConsumeSh(int64_t, int, float4) const {}
+};
+
 __global__ void AddNoiseToAll(NoiseInput in) {
   const int64_t i = static_cast<int64_t>(blockIdx.x) * kStepBlock + threadIdx.x;
   if (i >= in.count) return;
@@ -186,7 +225,13 @@ void RunRegularizerSums(const RegularizerInput& in, cudaStream_t stream) {
 }
 
 void RunStep(const GaussianBackwardInput& in, const StepConstants& step) {
-  RunGaussianBackward("gradients of Gaussians and Adam", in, StepConsumer{step});
+  constexpr const char* kName = "gradients of Gaussians and Adam";
+  if (step.parts > 0) return RunGaussianBackward(kName, in, PartStepConsumer{{step}});
+  RunGaussianBackward(kName, in, StepConsumer{step});
+}
+
+void RunWithoutStep(const GaussianBackwardInput& in) {
+  RunGaussianBackward("gradients of Gaussians", in, IgnoringConsumer{});
 }
 
 void RunNoise(const NoiseInput& in, cudaStream_t stream) {

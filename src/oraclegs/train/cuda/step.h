@@ -26,6 +26,8 @@ struct RegularizerInput {
 /// Queues the partial sums of the regularizers' value.
 void RunRegularizerSums(const RegularizerInput& in, cudaStream_t stream);
 
+inline constexpr int kMaxPartGradients = 2;
+
 /// Parameters, moments and constants of a step, all in device memory.
 struct StepConstants {
   GaussianRows params;
@@ -33,12 +35,17 @@ struct StepConstants {
   AdamConstants adam;
   RegularizerWeights regularizers;
   NoiseConstants noise;
-  bool adds_noise = false;  ///< after Adam
+  bool adds_noise = false;                              ///< after Adam
+  int parts = 0;                                        ///< number of part_gradients
+  GaussianRows part_gradients[kMaxPartGradients] = {};  ///< added to the view's (train/method_part.h)
 };
 
 /// Queues the last stage of the backward pass and the step of each gradient while it is in registers. `step` writes the
 /// parameters that `in` reads.
 void RunStep(const GaussianBackwardInput& in, const StepConstants& step);
+
+/// Queues the last stage of the backward pass alone, for the screen gradients that it adds up.
+void RunWithoutStep(const GaussianBackwardInput& in);
 
 /// Input of the noise of Gaussians [0, count), for iterations that relocate before it.
 struct NoiseInput {
