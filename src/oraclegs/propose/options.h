@@ -24,7 +24,6 @@ struct ProposeOptions {
   int proxy_models = 2;
   double proxy_share = 0.2;
   Auto<double> proxy_finish;  ///< see ProxyFinish
-  Auto<int> proxy_gaussians;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
@@ -53,8 +52,6 @@ struct ProposeOptions {
         "models after these; 0 = from the models with photos held out; auto = 0.4, or 0.6 of an object before a plain "
         "background",
         Range{0, 1});
-    visit("proxy-gaussians", self.proxy_gaussians,
-          "Maximum number of Gaussians of a proxy model; auto = as many as --max-gaussians", Range{1, 1e8});
   }
 
   ProposerChoice Choice() const { return proposers.ValueOr(ProposerChoice::kSplat); }

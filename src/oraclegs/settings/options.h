@@ -127,7 +127,6 @@ struct StartOptions {
   Auto<StartKind> init;
   Auto<double> init_scale;
   double init_opacity = 0.5;
-  double init_flatness = 1;
   bool init_planes = true;
   uint64_t seed = 0;
 
@@ -147,9 +146,6 @@ struct StartOptions {
           "Initial scale as a factor of the distance to the neighbors; auto = 1 for a dense start, 0.1 for others",
           Range{1e-6, 10});
     visit("init-opacity", self.init_opacity, "Initial opacity", Range{0.006, 0.99});
-    visit("init-flatness", self.init_flatness,
-          "Initial thickness along the surface's normal, as a fraction of the other two scales; 1 = round",
-          Range{0.01, 1});
     visit("init-planes", self.init_planes,
           "Extend fitted planes into textureless regions (walls, lawns) where stereo finds nothing");
     visit("seed", self.seed, "Seed of all random numbers; the same seed gives the same bits",

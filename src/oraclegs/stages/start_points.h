@@ -16,7 +16,6 @@ inline constexpr size_t kMinPointsForStart = 1000;
 /// [Kheradmand 2024]).
 inline constexpr double kDenseScale = 1, kSparseScale = 0.1;
 
-/// With normals.
 PointCloud ToPointCloud(const std::vector<DensePoint>& points);
 
 /// A dense start of at most `budget` points: those of the geometry; unless --no-init-planes, what extrapolates their

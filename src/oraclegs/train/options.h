@@ -74,10 +74,8 @@ struct TrainOptions {
   Auto<ScheduleKind> schedule = {};
   Auto<double> synthetic_floor = {};
   double synthetic_peak = ProposalSchedule().peak;
-  double proposal_weight = 1;
   double proposal_ssim = 0.3;
   double proposal_lpips = 0.3;
-  double confidence_gate = 0;
   double confidence_power = 1;
   Auto<int> refine_start = {};
   Auto<int> refine_every = {};
@@ -151,15 +149,13 @@ struct TrainOptions {
           Range{0, 1});
     visit("synthetic-peak", self.synthetic_peak,
           "Factor of t (1-t)^3, which adds to the floor and is largest, 0.105, at a quarter of the run", Range{0, 100});
-    visit("proposal-weight", self.proposal_weight, "Weight of the loss on proposals, beside that on photos",
-          Range{0, 100});
     visit("proposal-ssim", self.proposal_ssim,
           "Weight of 1-SSIM in the loss on proposals; what SSIM and LPIPS leave is L1", Range{0, 1});
     visit("proposal-lpips", self.proposal_lpips,
           "Weight of LPIPS in the loss on proposals; L1 gets it where LPIPS's weights are missing", Range{0, 1});
-    visit("confidence-gate", self.confidence_gate, "Ignore pixels of proposals below this confidence", Range{0, 1});
     visit("confidence-power", self.confidence_power,
-          "Exponent applied to the confidence that weighs the other pixels; 0 = all weigh the same", Range{0, 100});
+          "Exponent applied to the confidence that weighs a pixel of a proposal; 0 = all above 0 weigh the same",
+          Range{0, 100});
     visit("depth-weight", self.depth_weight,
           "Weight of the depth term where a photo has depth: mean |1/z - target| times the scene's typical "
           "distance, falling to a hundredth over the run (3DGS depth regularization, Kerbl et al. 2024); 0 = off",
