@@ -10,7 +10,7 @@ import unittest
 from lab import Lab, error_of
 
 # --force: the colmap that stands in finds matches of no photos, which no poses fit.
-QUICK = ["--init", "random", "--random-points", 300, "--proposers", "none", "--iterations", 5, "--orbit-frames", 0,
+QUICK = ["--init", "random", "--set", "random-points=300", "--proposers", "none", "--iterations", 5, "--set", "orbit-frames=0",
          "--no-report", "--force"]  # fmt: skip
 
 

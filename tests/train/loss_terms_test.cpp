@@ -131,7 +131,7 @@ TEST(LossPlan, RefusesSharesOfMoreThanOne) {
   TrainOptions options = Options();
   options.proposal_ssim = 0.75, options.proposal_lpips = 0.5;
   EXPECT_THAT(MessageOf<UsageError>([&] { LossPlan(options, Photos(1)); }),
-              testing::HasSubstr("--proposal-ssim 0.75 and --proposal-lpips 0.5 sum to 1.25"));
+              testing::HasSubstr("--set proposal-ssim=0.75 and --set proposal-lpips=0.5 sum to 1.25"));
   options.proposal_lpips = 0.25;
   EXPECT_NO_THROW(LossPlan(options, Photos(1)));
 }

@@ -47,7 +47,7 @@ TEST(MakeTrainDevice, KnowsTheDensificationAndDepthOfOtherMethodsOnTheCpuAlone) 
   EXPECT_THAT(refusal(options), testing::HasSubstr("--densify adaptive works on the CPU only"));
   options = Options();
   options.depth_loss = DepthLoss::kCorrelation;
-  EXPECT_THAT(refusal(options), testing::HasSubstr("--depth-loss correlation works on the CPU only"));
+  EXPECT_THAT(refusal(options), testing::HasSubstr("--set depth-loss=correlation works on the CPU only"));
 }
 
 }  // namespace

@@ -21,8 +21,9 @@ struct StereoOptions {
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("stereo-iterations", self.iterations,
-          "Iterations of the photometric search (PatchMatch), at the coarse resolution", Range{1, 50});
-    visit("stereo-passes", self.geometric_passes, "Geometric-consistency passes at each resolution", Range{1, 16});
+          "Iterations of the photometric search (PatchMatch), at the coarse resolution", Range{1, 50}, Tier::kSetting);
+    visit("stereo-passes", self.geometric_passes, "Geometric-consistency passes at each resolution", Range{1, 16},
+          Tier::kSetting);
   }
 };
 

@@ -52,16 +52,18 @@ struct SevaOptions {
           Range{2, 1000});
     visit("seva-short-side", self.short_side, "Shorter side of the images that seva works on, a multiple of 64 is used",
           Range{64, 4096});
-    visit("seva-steps", self.steps, "Denoising steps", Range{1, 1000});
+    visit("seva-steps", self.steps, "Denoising steps", Range{1, 1000}, Tier::kSetting);
     visit("candidates", self.candidates, "Samples that seva draws for each view; the oracle picks", Range{1, 64});
     visit("seva-cfg", self.cfg, "Strength of classifier-free guidance, but for frames at the place of a photo",
-          Range{0, 100});
+          Range{0, 100}, Tier::kSetting);
     visit("seva-halves", self.halves,
-          "Guidance computes every step twice: batched = at once, in-turn = with half the memory, auto = what fits");
+          "Guidance computes every step twice: batched = at once, in-turn = with half the memory, auto = what fits",
+          Tier::kSetting);
     visit("seva-precision", self.precision,
           "Number type of seva's networks; autocast = as its authors run it: weights and norms in float32, products in "
-          "float16, on a CPU in bfloat16");
-    visit("seva-seed", self.seed, "Seed of seva's noise", Range{0, 9e15});
+          "float16, on a CPU in bfloat16",
+          Tier::kSetting);
+    visit("seva-seed", self.seed, "Seed of seva's noise", Range{0, 9e15}, Tier::kSetting);
   }
 };
 

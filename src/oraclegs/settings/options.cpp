@@ -40,7 +40,7 @@ void CheckRunOptions(const RunOptions& options) {
   CheckScale(options.frame.scale);
   if (options.train.horizon > 0 && !options.train.iterations.is_auto() &&
       options.train.horizon < options.train.iterations.value()) {
-    throw UsageError("--horizon {} is below --iterations {}; rates and weights would end before training does",
+    throw UsageError("--set horizon={} is below --iterations {}; rates and weights would end before training does",
                      options.train.horizon, options.train.iterations.value());
   }
   CheckMethodOptions(options.train);

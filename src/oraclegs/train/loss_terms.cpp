@@ -43,7 +43,7 @@ double SceneDepth(const std::vector<TrainView>& photos, const std::vector<TrainV
 void CheckShares(const TrainOptions& options) {
   const double shares = options.proposal_ssim + options.proposal_lpips;
   if (!(shares <= 1 + kRounding)) {
-    throw UsageError("--proposal-ssim {} and --proposal-lpips {} sum to {}, must leave L1 0 or more of 1",
+    throw UsageError("--set proposal-ssim={} and --set proposal-lpips={} sum to {}, must leave L1 0 or more of 1",
                      options.proposal_ssim, options.proposal_lpips, shares);
   }
 }

@@ -14,7 +14,7 @@ std::unique_ptr<TrainDevice> MakeTrainDevice(Device device, const TrainDeviceSet
     throw UsageError("--densify {} works on the CPU only; use --device cpu", Word(setup.options.baseline.densify));
   }
   if (const DepthLoss loss = setup.options.depth_loss; loss > DepthLoss::kPaper) {
-    throw UsageError("--depth-loss {} works on the CPU only; use --device cpu", Word(loss));
+    throw UsageError("--set depth-loss={} works on the CPU only; use --device cpu", Word(loss));
   }
   if (!setup.parts.empty()) {
     throw UsageError(

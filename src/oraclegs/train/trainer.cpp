@@ -172,7 +172,7 @@ void Trainer::Restore(const Checkpoint& checkpoint) {
                      checkpoint.adam.v.size());
   }
   if (checkpoint.adam.sh_moments() != s.options.sh_moments) {
-    throw InputError("the checkpoint's moments of spherical harmonics are not those of --sh-moments");
+    throw InputError("the checkpoint's moments of spherical harmonics are not those of --set sh-moments");
   }
   s.sampler.Restore(checkpoint.sampler);
   s.device->RestoreExposures(checkpoint.exposures);

@@ -32,7 +32,7 @@ View ViewOf(const Camera& camera, const ImageFit& fit) {
 Size SizeOf(const Camera& camera) { return {camera.width, camera.height}; }
 
 /// Key of a stored chunk: the request's key and the options that change its images. The number of candidates and
-/// --seva-halves do not.
+/// --set seva-halves do not.
 std::string KeyOf(const ViewRequest& request, const SevaOptions& options) {
   nlohmann::json json = OptionsToJson(options);
   for (const char* name : {"candidates", "seva-halves"}) json.erase(name);
