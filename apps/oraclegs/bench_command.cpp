@@ -69,8 +69,7 @@ class BenchCommand : public Command {
     const nlohmann::json own = OptionsToJson(options_);  // --views is a list there
     const nlohmann::json options = RunOptionsToJson(run_);
     for (const auto& [name, value] : options.items()) {
-      const CLI::Option* option = app()->get_option_no_throw("--" + name);
-      if (!option || option->count() == 0 || name == "seed" || own.contains(name)) continue;
+      if (!table().IsGiven(name) || name == "seed" || own.contains(name)) continue;
       asked.emplace_back(name, value.is_string() ? value.get<std::string>() : value.dump());
     }
     return asked;

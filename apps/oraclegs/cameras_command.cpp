@@ -31,11 +31,15 @@ class CamerasCommand : public Command {
   }
 
   CameraDatasetResult OfWorkspace(const Listener& listener) {
-    for (const CLI::Option* option : app()->get_options()) {
-      const std::string group = option->get_group();
-      if (option->count() == 0 || (group != "Scene" && group != "Split" && group != "Images")) continue;
-      throw UsageError("{}: a workspace has its own; leave the option out, or name the scene folder",
-                       option->get_name());
+    const CommandInfo info = Info();
+    for (const auto& [list, tier] :
+         {std::pair{&info.options, Tier::kFlag}, std::pair{&info.settings, Tier::kSetting}}) {
+      for (const OptionInfo& option : *list) {
+        const bool of_scene = option.group == "Scene" || option.group == "Split" || option.group == "Images";
+        if (!of_scene || !table().IsGiven(option.name)) continue;
+        throw UsageError("{}: a workspace has its own; leave the option out, or name the scene folder",
+                         OptionShown(tier, option.name));
+      }
     }
     oraclegs::Run run = OpenRunAsSaved(input_, {}, {}, listener);
     return WriteCameraDataset({run.scene, run.split, run.options.image, SparsePointsOf(&run), run.frame}, out_.out,

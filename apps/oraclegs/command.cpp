@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 
+#include "config_file.h"
+#include "oraclegs/core/nearest_word.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
@@ -54,11 +57,11 @@ void Command::BindRun(RunOptions* options) {
     using Group = std::remove_reference_t<decltype(group)>;
     Group::Visit(group, [&, title](const char* name, auto& value, const auto&... rest) {
       const bool useful = scope.Has(title, name);
-      if (!useful && scope.others == OtherOptions::kNone) return OptionBinder(&unused_, title)(name, value, rest...);
-      OptionBinder(app_, title, [&](OptionInfo info) {
+      if (!useful && scope.others == OtherOptions::kNone) return table_.Add(name, &value, rest...).LeaveToFiles();
+      OptionBinder(app_, &table_, title, [&](OptionInfo info, Tier tier) {
         info.hidden = !useful;
         info.basic = scope.IsBasic(info.name);
-        options_.push_back(std::move(info));
+        Remember(std::move(info), tier);
       })(name, value, rest...);
     });
     checks_.push_back([&group] { CheckOptions(group); });
@@ -74,6 +77,45 @@ void Command::BindRun(RunOptions* options) {
                            fmt::join(PresetNames(), ", ")),
        .words = PresetNames(),
        .group = "General"});
+}
+
+void Command::Remember(OptionInfo info, Tier tier) {
+  if (tier == Tier::kFlag) return options_.push_back(std::move(info));
+  if (settings_.empty()) BindSet();
+  settings_.push_back(std::move(info));
+}
+
+void Command::BindSet() {
+  app_->add_option("--set", set_)->type_name("NAME=VALUE")->configurable(false)->allow_extra_args(false);
+  options_.push_back({.name = "set",
+                      .value = "NAME=VALUE",
+                      .help =
+                          "An expert's setting, of which `oraclegs help settings` explains all, or any option by its "
+                          "name; may be given many times",
+                      .group = "General",
+                      .basic = false});
+}
+
+void Command::ApplySettings() {
+  std::set<TableOption*> seen;
+  for (const std::string& text : set_) {
+    const size_t equals = text.find('=');
+    const std::string name = text.substr(0, equals);
+    TableOption* option = table_.Find(name);
+    if (!option) {
+      const std::string meant = DidYouMean(name, table_.Names());
+      throw UsageError("--set {}: there is no such option{}", name,
+                       meant.empty() ? "; `oraclegs help settings` lists them" : meant);
+    }
+    if (option->of_files_alone()) {
+      throw UsageError("--set {}: {} has no use for it; leave it out", name, app_->get_name());
+    }
+    if (equals == std::string::npos) throw UsageError("--set {0} has no value; write --set {0}=VALUE", name);
+    if (seen.insert(option).second && option->given()) {
+      throw UsageError("--{0} and --set {0} are one option; leave one of them out", name);
+    }
+    option->Set(text.substr(equals + 1));
+  }
 }
 
 void Command::BindMachine(MachineOptions* options) {
@@ -105,8 +147,9 @@ void Command::BindInputs(const char* name, std::vector<std::filesystem::path>* p
 
 void Command::Run(const std::string& command_line) {
   command_line_ = command_line;
-  if (!config_.empty()) ApplyConfigFile(config_, Targets());
-  if (!preset_.empty()) ApplyPreset(preset_, Targets());
+  ApplySettings();
+  if (!config_.empty()) ApplyConfigFile(config_, app_->get_name(), &table_);
+  if (!preset_.empty()) ApplyPreset(preset_, app_->get_name(), &table_);
   ApplyDefaults();
   for (const auto& check : checks_) check();
   if (device_ && ComputesHere()) ChooseDevice(device_->device, ProbeDevices());
@@ -137,6 +180,7 @@ CommandInfo Command::Info() const {
     std::copy_if(options_.begin(), options_.end(), std::back_inserter(info.options),
                  [&](const OptionInfo& option) { return option.group == group; });
   }
+  info.settings = settings_;
   return info;
 }
 

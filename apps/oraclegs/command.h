@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "command_info.h"
-#include "config_file.h"
 #include "option_binder.h"
+#include "oraclegs/core/option_table.h"
 #include "oraclegs/settings/options.h"
 #include "terminal.h"
 
@@ -61,9 +61,9 @@ class Command {
  protected:
   template <class Options>
   void Bind(const char* group, Options* options, Level level = Level::kBasic) {
-    Options::Visit(*options, OptionBinder(app_, group, [&](OptionInfo info) {
+    Options::Visit(*options, OptionBinder(app_, &table_, group, [&](OptionInfo info, Tier tier) {
       info.basic = level == Level::kBasic;
-      options_.push_back(std::move(info));
+      Remember(std::move(info), tier);
     }));
     checks_.push_back([options] { CheckOptions(*options); });
   }
@@ -83,9 +83,8 @@ class Command {
   virtual bool ComputesHere() const { return true; }
   virtual void Body(const Listener& listener) = 0;
 
-  /// Targets for options of files and saved runs: the command's own, and those that RunScope hides from the command
-  /// line.
-  OptionTargets Targets() { return {app_, &unused_}; }
+  /// All options by their names, also those that RunScope leaves to files.
+  OptionTable& table() { return table_; }
   /// Command line as typed, quoted for a shell.
   const std::string& CommandLine() const { return command_line_; }
   /// Prints to stdout, unless --quiet was given.
@@ -93,11 +92,18 @@ class Command {
 
  private:
   void BindGeneral();
+  void BindSet();
+  /// Notes an option for the help. The first setting brings --set.
+  void Remember(OptionInfo info, Tier tier);
+  /// Sets what --set gives.
+  void ApplySettings();
 
   CLI::App* app_;
-  CLI::App unused_;  ///< never parses a command line
+  OptionTable table_;
   std::string example_;
-  std::vector<OptionInfo> options_;  ///< all that app_ has
+  std::vector<OptionInfo> options_;   ///< all that app_ has
+  std::vector<OptionInfo> settings_;  ///< all that --set alone has
+  std::vector<std::string> set_;      ///< NAME=VALUE of each --set
   OutputOptions output_;
   const MachineOptions* machine_ = nullptr;  ///< machine options of the derived class
   const FileLimits* file_limits_ = nullptr;  ///< file limits of the derived class

@@ -30,7 +30,8 @@ struct CommandInfo {
   std::string name, help, group;
   std::string example = {};  ///< one or more lines
   std::vector<ArgumentInfo> arguments = {};
-  std::vector<OptionInfo> options = {};  ///< in the order of --help-all, also hidden ones
+  std::vector<OptionInfo> options = {};   ///< in the order of --help-all, also hidden ones
+  std::vector<OptionInfo> settings = {};  ///< those of --set alone, by group
 };
 
 /// All commands in the order of the overview.

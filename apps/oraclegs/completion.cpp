@@ -27,7 +27,7 @@ std::string ArgumentWords(const CommandInfo& command, const Catalog& commands) {
   if (command.name == "completion") return "bash zsh fish";
   if (command.name == "models") return "list fetch check convert";
   if (command.name != "help") return "";
-  std::vector<std::string> names;
+  std::vector<std::string> names = {"settings"};
   for (const CommandInfo& other : commands) names.push_back(other.name);
   return fmt::format("{}", fmt::join(names, " "));
 }

@@ -1,9 +1,9 @@
 #include "config_file.h"
 
-#include <algorithm>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
-#include <vector>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
@@ -31,97 +31,65 @@ bool HasOpenQuote(const std::string& value) {
   return !value.empty() && (value.front() == '"' || value.front() == '\'');
 }
 
-CLI::Option* FindOption(const std::string& name, const OptionTargets& targets) {
-  for (CLI::App* app : {targets.command, targets.unused}) {
-    CLI::Option* option = app ? app->get_option_no_throw("--" + name) : nullptr;
-    if (option && option->get_configurable()) return option;
-  }
-  return nullptr;
-}
+/// Options of a command, and a file that sets them.
+struct Source {
+  std::string name;  ///< of the file, for messages
+  std::string command;
+  OptionTable* options;
+};
 
-CLI::Option* RequireOption(const std::string& name, const std::string& source, const OptionTargets& targets) {
-  if (CLI::Option* option = FindOption(name, targets)) return option;
-  std::vector<std::string> names;
-  for (const CLI::App* app : {targets.command, targets.unused}) {
-    if (!app) continue;
-    for (const CLI::Option* option : app->get_options()) {
-      if (option->get_configurable() && !option->get_lnames().empty()) names.push_back(option->get_lnames().front());
-    }
-  }
-  const std::string meant = DidYouMean(name, names);
+TableOption* RequireOption(const std::string& name, const Source& source) {
+  if (TableOption* option = source.options->Find(name)) return option;
+  const std::string meant = DidYouMean(name, source.options->Names());
   throw UsageError(
-      "{}: unknown key '{}'{}", source, name,
-      meant.empty() ? fmt::format("; `oraclegs {} --help-all` lists the options", targets.command->get_name()) : meant);
+      "{}: unknown key '{}'{}", source.name, name,
+      meant.empty()
+          ? fmt::format("; `oraclegs {} --help-all` and `oraclegs help settings` list the options", source.command)
+          : meant);
 }
 
-void Set(CLI::Option* option, const CLI::ConfigItem& item) {
-  if (option->count() > 0) return;
-  if (option->get_expected_max() == 0) {
-    option->add_result(option->get_flag_value(item.name, CLI::ConfigTOML().to_flag(item)));
-  } else {
-    for (const std::string& value : item.inputs) option->add_result(value);
-  }
-  option->run_callback();
-}
-
-/// Throws UsageError "FILE: ..." when the value does not fit.
-void SetFrom(const std::string& source, CLI::Option* option, const CLI::ConfigItem& item) {
+/// Sets an option that nothing before has set. Throws UsageError "FILE: ..." when the value does not fit.
+void SetFrom(const std::string& source, TableOption* option, const json& value) {
+  if (option->given()) return;
   try {
-    Set(option, item);
+    option->Set(value);
   } catch (const UsageError& error) {
     throw UsageError("{}: {}", source, error.what());
-  } catch (const CLI::Error&) {
-    throw UsageError("{}: '{}' is not a value for '{}'", source, item.inputs.front(), item.name);
   }
 }
 
-void ApplyToml(const std::string& text, const std::string& source, const OptionTargets& targets) {
+void ApplyToml(const std::string& text, const Source& source) {
   std::istringstream lines(text);
   std::set<std::string> seen;
   for (const CLI::ConfigItem& item : CLI::ConfigTOML().from_config(lines)) {
     if (!item.parents.empty()) {
-      throw UsageError("{}: sections such as [{}] are not used; write the keys without one", source,
+      throw UsageError("{}: sections such as [{}] are not used; write the keys without one", source.name,
                        item.parents.front());
     }
-    CLI::Option* option = RequireOption(item.name, source, targets);
+    TableOption* option = RequireOption(item.name, source);
     if (!seen.insert(item.name).second || item.inputs.size() != 1) {
-      throw UsageError("{}: '{}' needs exactly one value (put texts in quotes)", source, item.name);
+      throw UsageError("{}: '{}' needs exactly one value (put texts in quotes)", source.name, item.name);
     }
     if (HasOpenQuote(item.inputs.front())) {
-      throw UsageError("{}: the text of '{}' has no closing quote (it must not contain #)", source, item.name);
+      throw UsageError("{}: the text of '{}' has no closing quote (it must not contain #)", source.name, item.name);
     }
-    SetFrom(source, option, item);
+    SetFrom(source.name, option, item.inputs.front());
   }
 }
 
-/// "not given" is saved as an empty text.
-bool IsGiven(const json& value) { return value != ""; }
-
-CLI::ConfigItem ItemOf(const std::string& name, const json& value) {
-  CLI::ConfigItem item;
-  item.name = name;
-  item.inputs = {value.is_string() ? value.get<std::string>()
-                                   : value.dump(-1, ' ', false, json::error_handler_t::replace)};
-  return item;
-}
-
-void ApplyJson(const std::string& text, const std::string& source, const OptionTargets& targets) {
+void ApplyJson(const std::string& text, const Source& source) {
   json file;
   try {
-    file = ParseUniqueJson(text, source, "configuration");
+    file = ParseUniqueJson(text, source.name, "configuration");
   } catch (const InputError& error) {
     throw UsageError("{}", error.what());
   }
-  if (!file.is_object()) throw UsageError("{}: is no JSON object of options", source);
+  if (!file.is_object()) throw UsageError("{}: is no JSON object of options", source.name);
   const bool of_run = file.contains("options") && file["options"].is_object();
   for (const auto& [name, value] : (of_run ? file["options"] : file).items()) {
     if (of_run && (name == "threads" || name == "device")) continue;  // belong to the machine, not to the run
-    CLI::Option* option = of_run ? FindOption(name, targets) : RequireOption(name, source, targets);
-    if (!option || !IsGiven(value)) continue;
-    if (value.is_structured() || value.is_null()) {
-      throw UsageError("{}: '{}' needs one value: a text, a number, true or false", source, name);
-    }
-    SetFrom(source, option, ItemOf(name, value));
+    TableOption* option = of_run ? source.options->Find(name) : RequireOption(name, source);
+    if (option) SetFrom(source.name, option, value);
   }
 }
 
@@ -132,26 +100,24 @@ bool LooksLikeJson(const std::string& text) {
 
 }  // namespace
 
-void ApplyConfigFile(const fs::path& file, const OptionTargets& targets) {
+void ApplyConfigFile(const fs::path& file, const std::string& command, OptionTable* options) {
   const std::string text = ReadConfig(file);
-  (LooksLikeJson(text) ? ApplyJson : ApplyToml)(text, file.string(), targets);
+  (LooksLikeJson(text) ? ApplyJson : ApplyToml)(text, {file.string(), command, options});
 }
 
-void ApplyPreset(const std::string& name, const OptionTargets& targets) {
+void ApplyPreset(const std::string& name, const std::string& command, OptionTable* options) {
   const Preset preset = ReadPreset(name);
-  ApplyToml(preset.text, preset.source, targets);
+  ApplyToml(preset.text, {preset.source, command, options});
 }
 
-void ApplySavedOptions(const json& options, const fs::path& file, const OptionTargets& targets) {
-  for (const auto& [name, value] : options.items()) {
-    CLI::Option* option = FindOption(name, targets);
-    if (!option || !IsGiven(value)) continue;
-    const CLI::ConfigItem item = ItemOf(name, value);
+void ApplySavedOptions(const json& saved, const fs::path& file, OptionTable* options) {
+  for (const auto& [name, value] : saved.items()) {
+    TableOption* option = options->Find(name);
+    if (!option) continue;
     try {
-      SetFrom(file.string(), option, item);
-    } catch (const UsageError&) {
-      throw InputError("{}: '{}' is not a value for '{}'; the file is damaged", file.string(), item.inputs.front(),
-                       name);
+      SetFrom(file.string(), option, value);
+    } catch (const UsageError& error) {
+      throw InputError("{}; the file is damaged", error.what());
     }
   }
 }

@@ -108,7 +108,7 @@ class EvaluateCommand : public SourceCommand {
   /// Holds out test views of a scene without a run, too, since scores need them.
   void ApplyDefaults() override {
     SourceCommand::ApplyDefaults();
-    if (!InputIsWorkspace() && app()->get_option("--eval")->count() == 0) options_.split.eval = true;
+    if (!InputIsWorkspace() && !table().IsGiven("eval")) options_.split.eval = true;
   }
 
   void Body(const Listener& listener) override {

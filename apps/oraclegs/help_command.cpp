@@ -18,7 +18,10 @@ class HelpCommand : public Command {
   HelpCommand(CLI::App* app, std::function<Catalog()> catalog)
       : Command(app, "help", "Explain a command", "oraclegs help reconstruct", General::kHelpAlone),
         catalog_(std::move(catalog)) {
-    this->app()->add_option("command", name_, "The command to explain; without, all are listed")->type_name("COMMAND");
+    this->app()
+        ->add_option("command", name_,
+                     "The command to explain, or settings: all that --set has; without, the commands are listed")
+        ->type_name("COMMAND");
     Bind("Help", &options_);
   }
 
@@ -29,9 +32,10 @@ class HelpCommand : public Command {
       WriteOut(OverviewText(catalog));
       return;
     }
-    std::vector<std::string> names;
+    std::vector<std::string> names = {"settings"};
     for (const CommandInfo& command : catalog) {
       names.push_back(command.name);
+      if (name_ == "settings" && command.name == "reconstruct") return WriteOut(SettingsText(command));
       if (command.name != name_) continue;
       WriteOut(HelpText(command, options_.all));
       return;

@@ -47,11 +47,12 @@ std::string TwoColumns(const std::string& name, const std::string& text) {
 
 std::string Line(const OptionInfo& option) { return TwoColumns(NamesOf(option), ExplanationOf(option)); }
 
-std::string Grouped(const std::vector<OptionInfo>& options) {
+template <class LineOf>
+std::string Grouped(const std::vector<OptionInfo>& options, const LineOf& line_of) {
   std::string text, group;
   for (const OptionInfo& option : options) {
     if (option.group != group) text += fmt::format("\n{}:\n", group = option.group);
-    text += Line(option);
+    text += line_of(option);
   }
   return text;
 }
@@ -103,12 +104,25 @@ std::string HelpText(const CommandInfo& command, bool all) {
     if (option.basic) basic.push_back(option);
   }
   if (all || shown.size() - basic.size() <= kFewAdvanced) {
-    text += Grouped(shown);
+    text += Grouped(shown, Line);
+    const bool has_settings = std::any_of(command.settings.begin(), command.settings.end(),
+                                          [](const OptionInfo& setting) { return !setting.hidden; });
+    if (has_settings) text += "\nExperts' settings, by --set NAME=VALUE: oraclegs help settings\n";
   } else {
     text += Short(basic);
     text += fmt::format("\n{} more options: oraclegs {} --help-all\n", shown.size() - basic.size(), command.name);
   }
   return text + fmt::format("\nExample:\n  {}\n", command.example);
+}
+
+std::string SettingsText(const CommandInfo& command) {
+  const auto line = [](const OptionInfo& setting) {
+    const std::string value = setting.negatable ? "true|false" : setting.value;
+    return TwoColumns(fmt::format("{}={}", setting.name, value), ExplanationOf(setting));
+  };
+  return "What only experiments set, by --set NAME=VALUE, by a line `NAME = VALUE` of a file of --config, or from "
+         "Python\nUsage: oraclegs COMMAND --set NAME=VALUE\n" +
+         Grouped(command.settings, line) + "\nExample:\n  oraclegs reconstruct photos/ -o out/ --set ssim-weight=0.3\n";
 }
 
 std::string OverviewText(const Catalog& commands) {

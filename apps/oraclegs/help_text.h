@@ -14,6 +14,9 @@ std::string OverviewText(const Catalog& commands);
 /// most 100 characters. The short help is one list in the order in which a beginner needs them.
 std::string HelpText(const CommandInfo& command, bool all);
 
+/// `oraclegs help settings`: the settings of a command by group, as its long help has flags.
+std::string SettingsText(const CommandInfo& command);
+
 /// "oraclegs render [OPTIONS] input".
 std::string UsageOf(const CommandInfo& command);
 

@@ -22,7 +22,7 @@ namespace {
 
 constexpr int kFailed = 4;
 constexpr const char* kMemoryAdvice =
-    "out of memory; lower --max-gaussians or --random-points, or raise --downscale, and run the same command again";
+    "out of memory; lower --max-gaussians or --set random-points, or raise --downscale, and run the same command again";
 
 /// True when output was lost, other than because its reader ended or there is no output.
 bool OutputIsLost() {

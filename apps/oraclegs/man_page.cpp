@@ -94,6 +94,11 @@ std::string ManPage(const Catalog& commands, const std::string& version) {
     }
     page += options.Of(command) + Examples(command.example);
   }
+  page += ".SH SETTINGS\nWhat only experiments set, by \\-\\-set NAME=VALUE.\n";
+  for (const CommandInfo& command : commands) {
+    if (command.name != "reconstruct") continue;
+    for (const OptionInfo& setting : command.settings) page += Paragraph(setting.name, ExplanationOf(setting));
+  }
   return page +
          ".SH ENVIRONMENT\n"
          ".TP\n.B ORACLEGS_MODELS\nFolder of the networks' weights.\n"

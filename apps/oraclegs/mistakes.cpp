@@ -6,6 +6,7 @@
 #include <cctype>
 
 #include "oraclegs/core/nearest_word.h"
+#include "oraclegs/core/text.h"
 
 namespace oraclegs {
 namespace {
@@ -25,12 +26,26 @@ std::vector<std::string> OptionNames(const CLI::App& command) {
   return names;
 }
 
-std::string UnknownOption(const std::string& typed, const CLI::App& command) {
+std::string NoSuchOption(const std::string& typed, const CLI::App& command) {
   const std::string name = typed.substr(typed.find_first_not_of('-'));
   std::string nearest = NearestWord(name, OptionNames(command));
   const std::string see = command.get_parent() ? command.get_name() + " --help-all" : "--help";
   return nearest.empty() ? fmt::format("{}: no such option; `oraclegs {}` lists them", typed, see)
                          : fmt::format("{}: no such option; did you mean --{}?", typed, nearest);
+}
+
+/// How a setting that is typed as a flag, with the word behind it, is typed right; "" for what is none.
+std::string AsSetting(const std::string& typed, const std::string& next, const CommandInfo& command) {
+  const size_t equals = typed.find('=');
+  const std::string name =
+      typed.substr(std::min<size_t>(2, typed.size()), equals == std::string::npos ? equals : equals - 2);
+  for (const OptionInfo& setting : command.settings) {
+    std::string value = equals == std::string::npos ? next : typed.substr(equals + 1);
+    if (setting.negatable && equals == std::string::npos) value = name == setting.name ? "true" : "false";
+    const bool is_it = name == setting.name || (setting.negatable && name == "no-" + setting.name);
+    if (is_it) return fmt::format("--set {}={}", setting.name, value.empty() ? setting.value : ShellQuoted(value));
+  }
+  return "";
 }
 
 bool IsKnown(const std::string& typed, const CLI::App& command) {
@@ -53,12 +68,20 @@ const CLI::App* CommandNamed(const std::string& name, const CLI::App& app) {
 
 }  // namespace
 
-std::optional<std::string> FindMistake(const std::vector<std::string>& words, const CLI::App& app) {
+std::optional<std::string> FindMistake(const std::vector<std::string>& words, const CLI::App& app,
+                                       const Catalog& commands) {
   const CLI::App* command = &app;
-  for (const std::string& word : words) {
+  for (size_t i = 0; i < words.size(); ++i) {
+    const std::string& word = words[i];
     if (word == "--") return std::nullopt;
     if (LooksLikeOption(word)) {
-      if (!IsKnown(word, *command)) return UnknownOption(word, *command);
+      if (IsKnown(word, *command)) continue;
+      const std::string next = i + 1 < words.size() && !LooksLikeOption(words[i + 1]) ? words[i + 1] : "";
+      for (const CommandInfo& info : commands) {
+        const std::string meant = info.name == command->get_name() ? AsSetting(word, next, info) : "";
+        if (!meant.empty()) return fmt::format("{}: is no flag but an expert's setting; write {}", word, meant);
+      }
+      return NoSuchOption(word, *command);
     } else if (command == &app) {
       command = CommandNamed(word, app);
       if (!command) {

@@ -76,7 +76,7 @@ Command* Program::Chosen() const {
 }
 
 int Program::Parse(int argc, char** argv) {
-  if (const auto mistake = FindMistake({argv + 1, argv + argc}, app_)) return Fail(*mistake, kUsage);
+  if (const auto mistake = FindMistake({argv + 1, argv + argc}, app_, Describe())) return Fail(*mistake, kUsage);
   const auto help = [&](bool all) {
     const Command* chosen = Chosen();
     WriteOut(chosen ? HelpText(chosen->Info(), all) : OverviewText(Describe()));

@@ -1,7 +1,9 @@
 #include "source_command.h"
 
+#include <nlohmann/json.hpp>
+
 #include "config_file.h"
-#include "option_binder.h"
+#include "oraclegs/settings/named_options.h"
 
 namespace oraclegs {
 
@@ -29,11 +31,8 @@ oraclegs::Run OpenQuietly(const RunRequest& request, const Listener& listener) {
 RunOptions ReadSavedOptions(const std::filesystem::path& workspace) {
   const std::filesystem::path file = WorkspacePaths(workspace).options();
   RunOptions options;
-  CLI::App saved_options;
-  RunOptions::ForEachGroup(options, [&](const char* title, auto& group) {
-    std::remove_reference_t<decltype(group)>::Visit(group, OptionBinder(&saved_options, title));
-  });
-  ApplySavedOptions(ReadSavedRun(workspace).options, file, {&saved_options});
+  OptionTable table = TableOf(&options);
+  ApplySavedOptions(ReadSavedRun(workspace).options, file, &table);
   try {
     CheckRunOptions(options);
   } catch (const UsageError& error) {
@@ -68,7 +67,7 @@ void SourceCommand::ApplyDefaults() {
     ReadSavedOptions(input_);  // the command line and --config are checked later, and named otherwise
     nlohmann::json saved = ReadSavedRun(input_).options;
     for (const char* name : {"threads", "device"}) saved.erase(name);  // belong to the machine, not to the run
-    ApplySavedOptions(saved, WorkspacePaths(input_).options(), Targets());
+    ApplySavedOptions(saved, WorkspacePaths(input_).options(), &table());
   } else if (model_.ply.empty()) {
     throw UsageError("{}: holds no run of oraclegs; name a workspace, or a point cloud with --ply", input_.string());
   }

@@ -31,13 +31,13 @@ TEST(CheckBaseline, RefusesWhatTheTrainingWouldIgnore) {
   TrainOptions options = Options(60);
   BaselineSettings settings;
   settings.prune_modes_at = 61;
-  EXPECT_THAT(MessageOf<UsageError>([&] { CheckBaseline("--method sparsegs", settings, options); }),
-              HasSubstr("--method sparsegs prunes at iteration 61, which lies beyond the last of 60 --iterations"));
+  EXPECT_THAT(MessageOf<UsageError>([&] { CheckBaseline("--set method=sparsegs", settings, options); }),
+              HasSubstr("--set method=sparsegs prunes at iteration 61, which lies beyond the last of 60 --iterations"));
   settings.prune_modes_at = 60;
-  EXPECT_NO_THROW(CheckBaseline("--method sparsegs", settings, options));
+  EXPECT_NO_THROW(CheckBaseline("--set method=sparsegs", settings, options));
   settings.adaptive = options.prune_floaters = true;
-  EXPECT_THAT(MessageOf<UsageError>([&] { CheckBaseline("--method sparsegs", settings, options); }),
-              HasSubstr("--prune-floaters belongs to relocation, which --method sparsegs does not have"));
+  EXPECT_THAT(MessageOf<UsageError>([&] { CheckBaseline("--set method=sparsegs", settings, options); }),
+              HasSubstr("--prune-floaters belongs to relocation, which --set method=sparsegs does not have"));
 }
 
 }  // namespace

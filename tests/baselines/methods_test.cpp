@@ -78,7 +78,7 @@ TEST(BaselineFor, HasTheSettingsOfADatasetWhereTheirAuthorsDo) {
 
 TEST(FindBaseline, ListsThoseThereAre) {
   EXPECT_THAT(MessageOf<UsageError>([] { FindBaseline("3dgs-mcm"); }),
-              testing::AllOf(testing::HasSubstr("--method is '3dgs-mcm'; there are 3dgs, 3dgs-mcmc"),
+              testing::AllOf(testing::HasSubstr("--set method is '3dgs-mcm'; there are 3dgs, 3dgs-mcmc"),
                              testing::HasSubstr("did you mean '3dgs-mcmc'?")));
 }
 

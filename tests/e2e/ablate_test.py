@@ -7,8 +7,8 @@ import unittest
 
 from harness import EndToEnd, command, files_below, main, read_png
 
-RUN = ["--stereo-iterations", 3, "--stereo-passes", 1, "--iterations", 20, "--max-gaussians", 1000, "--random-points",
-       800, "--test-every", 4]  # fmt: skip
+RUN = ["--set", "stereo-iterations=3", "--set", "stereo-passes=1", "--iterations", 20, "--max-gaussians", 1000, "--set",
+       "random-points=800", "--test-every", 4]  # fmt: skip
 
 
 class Ablate(EndToEnd):
@@ -27,7 +27,7 @@ class Ablate(EndToEnd):
                 self.assertEqual(metrics["test"]["psnr"], run["psnr"])
                 self.assertEqual(metrics["seed"], run["seed"])
         document = (out / "ablation.md").read_text()
-        self.assertIn(f"    oraclegs ablate {self.scene} -o '{out}' --stereo-iterations 3 ", document)
+        self.assertIn(f"    oraclegs ablate {self.scene} -o '{out}' --set stereo-iterations=3 ", document)
         table = [line for line in document.splitlines() if re.match(r"\| \d [^|]*\| \d+\.\d\d ± ", line)]
         self.assertEqual(len(table), 2)
 
@@ -67,9 +67,9 @@ class Ablate(EndToEnd):
 
 class Tampering(EndToEnd):
     # Long enough that there is something to tamper with, and a dose that makes lies felt.
-    RUN = ["--suite", "tampering", "--views", 10, "--test-every", 4, "--stereo-iterations", 3, "--stereo-passes", 1,
-           "--iterations", 300, "--max-gaussians", 3000, "--proxy-models", 2, "--proxy-share", 0.6, "--synthetic-floor",
-           0.4]  # fmt: skip
+    RUN = ["--suite", "tampering", "--views", 10, "--test-every", 4, "--set", "stereo-iterations=3", "--set", "stereo-passes=1",
+           "--iterations", 300, "--max-gaussians", 3000, "--set", "proxy-models=2", "--set", "proxy-share=0.6", "--set",
+           "synthetic-floor=0.4"]  # fmt: skip
 
     @classmethod
     def setUpClass(cls):

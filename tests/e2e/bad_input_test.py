@@ -146,7 +146,7 @@ class BadInput(EndToEnd):
         for image in (blank / "images").glob("*.png"):
             width, height = struct.unpack(">II", image.read_bytes()[16:24])
             image.write_bytes(png(width, height, (120, 120, 120)))
-        small = ["--iterations", 20, "--max-gaussians", 500, "--stereo-iterations", 2, "--stereo-passes", 1]
+        small = ["--iterations", 20, "--max-gaussians", 500, "--set", "stereo-iterations=2", "--set", "stereo-passes=1"]
         for scene, words in [(same, "have one and the same pose"), (blank, "or they have no texture")]:
             with self.subTest(scene.name):
                 out = self.dir / f"trained_{scene.name}"

@@ -5,8 +5,8 @@ import unittest
 
 from harness import EndToEnd, files_below, main
 
-RUN = ["--stereo-iterations", 3, "--stereo-passes", 1, "--iterations", 20, "--max-gaussians", 1000, "--random-points",
-       800, "--init", "random", "--test-every", 4]  # fmt: skip
+RUN = ["--set", "stereo-iterations=3", "--set", "stereo-passes=1", "--iterations", 20, "--max-gaussians", 1000, "--set",
+       "random-points=800", "--init", "random", "--test-every", 4]  # fmt: skip
 
 
 class Bench(EndToEnd):

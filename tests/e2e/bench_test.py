@@ -22,7 +22,7 @@ class Benchmarks(EndToEnd):
         scene, out = self.dir / "room", self.dir / "out"
         size = ["--demo-views", 6, "--width", 80, "--height", 60, "--samples", 1]
         subprocess.run(command("demo-scene", scene, "--quiet", *size), check=True)
-        self.run_program("depth", scene, "-o", out, "--views", 4, "--stereo-iterations", 3, "--stereo-passes", 1)
+        self.run_program("depth", scene, "-o", out, "--views", 4, "--set", "stereo-iterations=3", "--set", "stereo-passes=1")
         self.assertRegex(self.measured("depth_truth_bench", out), r"(?m)^all +confident +[0-9.]+ %")
 
     def test_networks_of_full_size_on_small_images(self):

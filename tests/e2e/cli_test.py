@@ -40,9 +40,12 @@ SHOWN_ALONE = {"demo-scene": {"threads"}, "info": {"max-megapixels"}} | {name: {
 BASIC = ["out", "quality", "max-size", "eval", "frames", "preset", "config", "views", "iterations", "device", "seed", "view", "overwrite", "quiet", "help"]  # of reconstruct
 
 
-def declared_options(headers):
+def declared_options(headers, settings=False):
+    """The flags that the headers declare, or their settings."""
     for header in headers:
-        yield from re.findall(r'visit\(\s*"([a-z-]+)"', (ROOT / "src/oraclegs" / header).read_text())
+        for name, rest in re.findall(r'visit\(\s*"([a-z-]+)"(.*?)\);\n', (ROOT / "src/oraclegs" / header).read_text(), re.S):
+            if ("Tier::kSetting" in rest) == settings:
+                yield name
 
 
 def options_in(text):
@@ -72,6 +75,13 @@ class Help(unittest.TestCase):
             self.assertIn("Example:", text)
             self.assertIn(f"Usage: oraclegs {name} [OPTIONS]", text)
             self.assertLess(max(map(len, text.splitlines())), 121)
+
+    def test_the_help_of_settings_has_each_with_its_default(self):
+        text = self.output_of("help", "settings")
+        flat = " ".join(text.split())
+        for option in declared_options(RUN_OPTIONS, settings=True):
+            self.assertRegex(flat, rf" {option}=[^\[]*\[[^\]]*default", option)
+        self.assertLess(max(map(len, text.splitlines())), 121)
 
     def test_a_command_shows_nothing_that_it_has_no_use_for(self):
         for name, headers in NOT_SHOWN.items():
@@ -181,7 +191,7 @@ class Usage(EndToEnd):
         self.error_of("export", self.scene, "--iterations", "5", code=2, names=["--iterations: no such option"])
         self.error_of("reconstruct", self.scene, "-o", out, "--views", "many", code=2, names=["views", "many"])
         self.error_of("reconstruct", self.scene, "-o", out, "--views", "-3", code=2, names=["--views is -3", "0 .. "])
-        self.error_of("reconstruct", self.scene, "-o", out, "--ssim-weight", "nan", code=2, names=["--ssim-weight"])
+        self.error_of("reconstruct", self.scene, "-o", out, "--set", "ssim-weight=nan", code=2, names=["--set ssim-weight"])
         self.error_of("reconstruct", self.scene, "-o", out, "--iterations", "99999999999", code=2, names=["iterations"])
         self.error_of("reconstruct", self.scene, "-o", out, "--background", "pink", code=2, names=["pink", "white"])
         self.error_of("reconstruct", self.scene, "-o", out, "--background", "whit", code=2, names=["did you mean 'white'?"])
@@ -210,7 +220,7 @@ class Usage(EndToEnd):
                         'test-views = "000,001"\ninit = "random"\nrandom-points = 500\n')  # fmt: skip
         names = sorted(p.stem for p in (self.scene / "images").glob("*.png"))[:2]
         flags = ["--iterations", 20, "--max-gaussians", 900, "--background", "white", "--antialiased",
-                 "--test-views", ",".join(names), "--init", "random", "--random-points", 500]  # fmt: skip
+                 "--test-views", ",".join(names), "--init", "random", "--set", "random-points=500"]  # fmt: skip
         file.write_text(file.read_text().replace("000,001", ",".join(names)))
         by_file, by_flags, mixed = (self.dir / name for name in ("by_file", "by_flags", "mixed"))
         self.run_program("train", self.scene, "-o", by_file, "--config", file)
@@ -255,8 +265,8 @@ class Usage(EndToEnd):
 
     def test_presets_are_read(self):
         for preset in (ROOT / "presets").glob("*.toml"):
-            scene = ["--train-views", ":1,:2,:3", "--test-views", ":0", "--views", 2, "--init", "random", "--random-points", 100, "--allow-fallback",
-                     "--smaller-copies", "auto"]
+            scene = ["--train-views", ":1,:2,:3", "--test-views", ":0", "--views", 2, "--init", "random", "--set", "random-points=100", "--allow-fallback",
+                     "--set", "smaller-copies=auto"]
             self.run_program("sfm", self.scene, "-o", self.dir / preset.stem, "--preset", preset.stem, *scene)
 
 
@@ -372,7 +382,7 @@ class MainJob(EndToEnd):
 
     def test_starts_from_triangulated_points_where_colmap_gives_them(self):
         out = self.dir / "sfm_out"
-        arguments = ["--init", "auto", "--iterations", 20, "--max-gaussians", 1000, "--random-points", 1000]
+        arguments = ["--init", "auto", "--iterations", 20, "--max-gaussians", 1000, "--set", "random-points=1000"]
         done = self.run_program("reconstruct", self.scene, "-o", out, *arguments)
         start = json.loads((out / "metrics.json").read_text())["start"]
         if start["source"] == "random":  # no colmap, or too few points: then it must have been said
@@ -382,7 +392,7 @@ class MainJob(EndToEnd):
 
     def test_depth_leaves_pictures_and_a_cloud_that_training_starts_from(self):
         out = self.dir / "depth_out"
-        arguments = ["-o", out, "--init", "dense", "--stereo-iterations", 2, "--max-gaussians", 1000]
+        arguments = ["-o", out, "--init", "dense", "--set", "stereo-iterations=2", "--max-gaussians", 1000]
         done = self.run_program("depth", self.scene, *arguments)
         training = json.loads((out / "split.json").read_text())["train"]
         for name in training:

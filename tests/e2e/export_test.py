@@ -207,7 +207,7 @@ class Export(EndToEnd):
 
     def test_workspace_knows_its_cameras(self):
         out = self.dir / "run"
-        small = ["--iterations", 5, "--max-gaussians", 600, "--random-points", 500, "--init", "random", "--proposers", "none"]
+        small = ["--iterations", 5, "--max-gaussians", 600, "--set", "random-points=500", "--init", "random", "--proposers", "none"]
         self.run_program("train", self.scene, "-o", out, *small)
         whole = len(read_ply(out / "point_cloud.ply"))
         cropped = self.dir / "cropped.ply"

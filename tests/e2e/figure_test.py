@@ -4,7 +4,7 @@ import unittest
 
 from harness import ManyViews, main, read_png
 
-RUN = ["--views", 10, "--test-every", 4, "--stereo-iterations", 3, "--stereo-passes", 1, "--iterations", 20,
+RUN = ["--views", 10, "--test-every", 4, "--set", "stereo-iterations=3", "--set", "stereo-passes=1", "--iterations", 20,
        "--max-gaussians", 1500, "--proposers", "warp", "--proposals", 4, "--trajectory", "dataset"]  # fmt: skip
 
 

@@ -12,8 +12,8 @@ from pathlib import Path
 from constant_generator import COLOR, read_png
 from harness import ROOT, ManyViews, command, files_below, main
 
-RUN = ["--views", 10, "--test-every", 4, "--stereo-iterations", 3, "--stereo-passes", 1, "--iterations", 20,
-       "--max-gaussians", 1500, "--proxy-models", 3, "--trajectory", "dataset"]  # fmt: skip
+RUN = ["--views", 10, "--test-every", 4, "--set", "stereo-iterations=3", "--set", "stereo-passes=1", "--iterations", 20,
+       "--max-gaussians", 1500, "--set", "proxy-models=3", "--trajectory", "dataset"]  # fmt: skip
 EXAMPLE = ROOT / "examples/generators/inpaint_holes"
 STAND_IN = f"{shlex.quote(sys.executable)} {shlex.quote(str(Path(__file__).with_name('constant_generator.py')))}"
 

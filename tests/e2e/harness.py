@@ -15,8 +15,8 @@ PROGRAM = os.environ.get("ORACLEGS_BIN", str(ROOT / "build/release/bin/oraclegs"
 os.environ["ORACLEGS_MODELS"] = "/nonexistent"  # the tests see no weights of whoever runs them
 
 DEMO = ["--demo-views", "8", "--width", "96", "--height", "72", "--samples", "1"]
-SMALL_RUN = ["--iterations", "200", "--max-gaussians", "2000", "--random-points", "1500", "--init", "random",
-             "--proposers", "none", "--test-every", "4", "--sh-degree-interval", "60", "--refine-start", "50", "--refine-every", "25"]  # fmt: skip
+SMALL_RUN = ["--iterations", "200", "--max-gaussians", "2000", "--set", "random-points=1500", "--init", "random",
+             "--proposers", "none", "--test-every", "4", "--set", "sh-degree-interval=60", "--set", "refine-start=50", "--set", "refine-every=25"]  # fmt: skip
 
 
 def command(*arguments):

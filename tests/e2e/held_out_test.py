@@ -9,8 +9,8 @@ import unittest
 from harness import EndToEnd, command, main
 
 TRAIN, TEST = range(0, 20, 2), range(1, 20, 4)  # the other five stay for proposals
-RUN = ["--iterations", 40, "--max-gaussians", 1500, "--refine-start", 10, "--refine-every", 10, "--stereo-iterations", 3,
-       "--stereo-passes", 1, "--proposers", "both", "--proposals", 4, "--threads", 2]  # fmt: skip
+RUN = ["--iterations", 40, "--max-gaussians", 1500, "--set", "refine-start=10", "--set", "refine-every=10", "--set", "stereo-iterations=3",
+       "--set", "stereo-passes=1", "--proposers", "both", "--proposals", 4, "--threads", 2]  # fmt: skip
 
 
 def world_to_camera(frame):
@@ -116,13 +116,13 @@ class HeldOut(EndToEnd):
         scene = self.dir / "model_points"
         names = self.as_colmap(scene)
         split = ["--train-views", ",".join(names[v] for v in TRAIN), "--test-views", names[1]]
-        done = self.run_program("sfm", scene, "-o", self.dir / "model_out", *split, "--sfm-points", "model")
+        done = self.run_program("sfm", scene, "-o", self.dir / "model_out", *split, "--set", "sfm-points=model")
         self.assertFalse((self.dir / "model_out" / "sfm" / "inputs.json").exists())
         self.assertIn("150", done.stdout)
         self.assertNotIn("images_", done.stderr)
-        done = self.run_program("sfm", scene, "-o", self.dir / "small", *split, "--sfm-points", "model", "--downscale", 2)
+        done = self.run_program("sfm", scene, "-o", self.dir / "small", *split, "--set", "sfm-points=model", "--downscale", 2)
         self.assertIn("has no folder images_2; the photos are resized here", done.stderr)
-        required = ["--downscale", 2, "--smaller-copies", "required"]
+        required = ["--downscale", 2, "--set", "smaller-copies=required"]
         self.error_of("sfm", scene, "-o", self.dir / "refused", *split, *required, code=3, names=["no folder images_2"])
         self.assertFalse((self.dir / "refused").exists())
 

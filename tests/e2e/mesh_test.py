@@ -9,7 +9,7 @@ from pathlib import Path
 
 from harness import PROGRAM, EndToEnd, command, files_below, main, read_png
 
-RUN = ["--views", 8, "--iterations", 600, "--max-gaussians", 6000, "--proposers", "none", "--stereo-iterations", 4]
+RUN = ["--views", 8, "--iterations", 600, "--max-gaussians", 6000, "--proposers", "none", "--set", "stereo-iterations=4"]
 
 
 class Mesh(EndToEnd):

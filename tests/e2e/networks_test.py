@@ -13,9 +13,9 @@ from harness import PROGRAM, ManyViews, files_below, main
 TINY_NETWORKS = os.environ.get("ORACLEGS_TINY_NETWORKS", str(Path(PROGRAM).with_name("tiny_networks")))
 MODELS = ["depth-anything-v2-small", "seva", "sd21-vae", "openclip-vith14", "vggt", "lpips-vgg"]
 PRESETS = ["paper-mipnerf360-12", "paper-mipnerf360-24", "paper-blender-8", "best-mipnerf360-12"]
-SMALL = ["--views", 10, "--test-every", 4, "--downscale", 1, "--stereo-iterations", 3, "--stereo-passes", 1,
-         "--iterations", 20, "--max-gaussians", 1500, "--init", "hybrid", "--proxy-models", 3, "--proposals", 3, "--trajectory", "dataset",
-         "--seva-frames", 12, "--seva-short-side", 64, "--seva-steps", 2, "--candidates", 2]  # fmt: skip
+SMALL = ["--views", 10, "--test-every", 4, "--downscale", 1, "--set", "stereo-iterations=3", "--set", "stereo-passes=1",
+         "--iterations", 20, "--max-gaussians", 1500, "--init", "hybrid", "--set", "proxy-models=3", "--proposals", 3, "--trajectory", "dataset",
+         "--seva-frames", 12, "--seva-short-side", 64, "--set", "seva-steps=2", "--candidates", 2]  # fmt: skip
 
 
 class Networks(ManyViews):
@@ -49,7 +49,7 @@ class Networks(ManyViews):
     def test_the_papers_preset_runs(self):
         out = self.dir / "paper"
         small = ["--views", 10, "--test-every", 4, "--downscale", 1, "--iterations", 20, "--max-gaussians", 1500, "--init",
-                 "random-cube", "--seva-frames", 12, "--seva-short-side", 64, "--seva-steps", 2]  # fmt: skip
+                 "random-cube", "--seva-frames", 12, "--seva-short-side", 64, "--set", "seva-steps=2"]  # fmt: skip
         arguments = ["reconstruct", self.scene, "-o", out, "--preset", "paper-mipnerf360-12", *small]
         self.run_program(*arguments, **self.with_models)
         frames = json.loads((out / "proposals/transforms.json").read_text())["frames"]
@@ -63,23 +63,23 @@ class Networks(ManyViews):
     def test_three_images_and_no_depth_are_enough_for_a_generator(self):
         out = self.dir / "three"
         self.run_program("reconstruct", self.scene, "-o", out, *SMALL, "--views", 3, "--proposers", "seva", "--candidates",
-                         1, "--depth-prior", "none", "--init", "random", "--oracle", "vggt", "--no-calibrate",
+                         1, "--depth-prior", "none", "--init", "random", "--oracle", "vggt", "--set", "calibrate=false",
                          **self.with_models)  # fmt: skip
         self.assertEqual(len(list((out / "confidence").glob("*.png"))), 3)
 
     def test_layers_of_the_oracle_are_options(self):
         out = self.dir / "layers"
-        arguments = ["validate", self.scene, "-o", out, *SMALL, "--proposers", "warp", "--oracle", "vggt", "--no-calibrate"]
+        arguments = ["validate", self.scene, "-o", out, *SMALL, "--proposers", "warp", "--oracle", "vggt", "--set", "calibrate=false"]
         self.run_program(*arguments, **self.with_models)
         usual = files_below(out / "confidence")
-        self.run_program(*arguments, "--vggt-layers", "1", "--overwrite", **self.with_models)
+        self.run_program(*arguments, "--set", "vggt-layers=1", "--overwrite", **self.with_models)
         of_one = files_below(out / "confidence")
         self.assertEqual(usual.keys(), of_one.keys())
         self.assertNotEqual([usual[name][0] for name in usual], [of_one[name][0] for name in usual])
         for bad, code, names in (
-            (["--vggt-layers", "0,99"], 2, ["99"]),
-            (["--vggt-layers", "0", "--vggt-layer-weights", "1,2"], 2, ["--vggt-layer-weights"]),
-            (["--vggt-layers", "first"], 2, ["'first'"]),
+            (["--set", "vggt-layers=0,99"], 2, ["99"]),
+            (["--set", "vggt-layers=0", "--set", "vggt-layer-weights=1,2"], 2, ["--set vggt-layer-weights"]),
+            (["--set", "vggt-layers=first"], 2, ["'first'"]),
         ):
             self.error_of(*arguments, *bad, "-o", self.dir / "refused", code=code, names=names, **self.with_models)
             self.assertFalse((self.dir / "refused").exists())

@@ -18,7 +18,7 @@ def preset(name):
 def defaults():
     """{option: default} of `reconstruct`, as docs/commands.md lists them; another test compares that page with the program."""
     page = re.split(r"(?m)^## [\w ]+ options$", (ROOT / "docs/commands.md").read_text(), maxsplit=1)[1]
-    rows = re.findall(r"^\| `--([a-z0-9-]+)[^`]*` \|.*?default ([^|]*?) \|$", page, re.M)
+    rows = re.findall(r"^\| `(?:--)?([a-z0-9-]+)[^`]*` \|.*?default ([^|]*?) \|$", page, re.M)
     return dict(rows)
 
 
@@ -36,7 +36,7 @@ def same(a, b):
 class Presets(EndToEnd):
     def test_the_papers_are_the_paper(self):
         text = (ROOT / "docs/method.md").read_text().partition("\n## paper presets\n")[2].partition("\n## ")[0]
-        rows = re.findall(r"^\| (.+?) \| (.+?) \| `--([a-z0-9-]+)` \| (\S+) \| (\S+) \| (\S+) \|$", text, re.M)
+        rows = re.findall(r"^\| (.+?) \| (.+?) \| `--(?:set )?([a-z0-9-]+)` \| (\S+) \| (\S+) \| (\S+) \|$", text, re.M)
         self.assertEqual(len(rows), text.count("`--") - text.count("`--preset") - text.count("`--depth-weights"))
         usual = defaults()
         given = [preset(name) for name in PAPER]

@@ -5,8 +5,8 @@ import unittest
 
 from harness import ManyViews, files_below, main, png
 
-RUN = ["--views", 10, "--test-every", 4, "--stereo-iterations", 3, "--stereo-passes", 1, "--iterations", 20,
-       "--max-gaussians", 1500, "--proxy-models", 3, "--trajectory", "dataset"]  # fmt: skip
+RUN = ["--views", 10, "--test-every", 4, "--set", "stereo-iterations=3", "--set", "stereo-passes=1", "--iterations", 20,
+       "--max-gaussians", 1500, "--set", "proxy-models=3", "--trajectory", "dataset"]  # fmt: skip
 
 
 class Propose(ManyViews):

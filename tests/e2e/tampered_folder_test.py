@@ -9,7 +9,7 @@ import unittest
 from harness import EndToEnd, command, main, png, read_png, write_png
 
 WIDTH, HEIGHT = 128, 96
-RUN = ["--views", 10, "--test-every", 4, "--stereo-iterations", 3, "--stereo-passes", 1, "--iterations", 60,
+RUN = ["--views", 10, "--test-every", 4, "--set", "stereo-iterations=3", "--set", "stereo-passes=1", "--iterations", 60,
        "--max-gaussians", 1500, "--proposers", "none"]  # fmt: skip
 
 

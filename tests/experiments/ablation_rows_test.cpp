@@ -25,7 +25,7 @@ TEST(AblationRows, EndWithTheProgramAsItIs) {
   EXPECT_EQ(Shaping(last), ShapingOptionsToJson(RunOptions{}));
   RunOptions asked;
   asked.split.views = 12;
-  asked.start = {SfmPoints::kModel, StartKind::kHybrid, 0.7, 0.1, 0.5, false, 3};
+  asked.start = {SfmPoints::kModel, StartKind::kHybrid, 0.7, 0.1, false, 3};
   asked.propose.proposers = ProposerChoice::kSplat, asked.propose.proposal_folder = "/somewhere";
   asked.validate.pick = PickRule::kPixel;
   asked.train.iterations = 100, asked.train.depth_weight = 2, asked.train.dropout = 0.1,

@@ -23,7 +23,7 @@ ProxyModel Wall(float brightness) {
       cloud.rgb.emplace_back((x / 4 + y / 4) % 2 == 0 ? brightness : 0.1f, 0.5f, x > 0 ? 0.2f : 0.7f);
     }
   }
-  return {{}, InitializeGaussians(cloud, {0.7, 0.95, 1}), {}};
+  return {{}, InitializeGaussians(cloud, {0.7, 0.95}), {}};
 }
 
 std::vector<Target> TwoTargets() {

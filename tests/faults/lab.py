@@ -18,9 +18,9 @@ sys.path.insert(0, str(HERE.parent / "e2e"))
 from harness import PROGRAM  # noqa: E402
 
 STAGES = ["register", "sfm", "depth", "proxies", "propose", "validate", "train", "evaluate", "report"]
-SMALL = ["--iterations", 80, "--max-gaussians", 1500, "--stereo-iterations", 2, "--stereo-passes", 1, "--proposals", 4,
-         "--proxy-models", 2, "--test-every", 4, "--orbit-frames", 8, "--checkpoint-every", 20, "--refine-start", 20,
-         "--refine-every", 10, "--sh-degree-interval", 20]  # fmt: skip
+SMALL = ["--iterations", 80, "--max-gaussians", 1500, "--set", "stereo-iterations=2", "--set", "stereo-passes=1", "--proposals", 4,
+         "--set", "proxy-models=2", "--test-every", 4, "--set", "orbit-frames=8", "--checkpoint-every", 20, "--set", "refine-start=20",
+         "--set", "refine-every=10", "--set", "sh-degree-interval=20"]  # fmt: skip
 STARTED = re.compile(r"info: (?:\[\d+/\d+\] )?(\w+): started")
 ERROR = "oraclegs: error: "
 RECORDS = ["options.json", "split.json", "stages.json", "metrics.json", "frame.json", "live/state.json",

@@ -10,7 +10,7 @@ import unittest
 from lab import Lab, error_of
 
 # --force: the colmap that stands in finds matches of no photos, which no poses fit.
-QUICK = ["--init", "random", "--random-points", 300, "--proposers", "none", "--iterations", 5, "--orbit-frames", 0,
+QUICK = ["--init", "random", "--set", "random-points=300", "--proposers", "none", "--iterations", 5, "--set", "orbit-frames=0",
          "--no-report", "--force"]  # fmt: skip
 
 
@@ -87,12 +87,12 @@ class Messages(unittest.TestCase):
         broken = self.lab.dir / "broken"
         shutil.copytree(self.out, broken, symlinks=True)
         options = json.loads((broken / "options.json").read_text())
-        options["options"]["confidence-gate"] = 7
+        options["options"]["confidence-power"] = 700
         (broken / "options.json").write_text(json.dumps(options))
         line = self.error(3, "evaluate", broken)
         self.assertIn("options.json", line)
-        self.assertIn("confidence-gate", line)
-        options["options"]["confidence-gate"] = "\x1b[0m"
+        self.assertIn("confidence-power", line)
+        options["options"]["confidence-power"] = "\x1b[0m"
         (broken / "options.json").write_text(json.dumps(options))
         self.assertIn("options.json", self.error(3, "evaluate", broken))
         shutil.rmtree(broken)

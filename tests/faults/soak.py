@@ -59,8 +59,8 @@ def choose(numbers):
                "--quality", numbers.choice(["draft", "normal", "high"]),
                "--proposers", numbers.choice(["none", "warp", "splat", "both"]),
                "--proposals", numbers.randrange(1, 6), "--test-every", numbers.choice([0, 3, 4]),
-               "--init", numbers.choice(["auto", "dense", "sfm", "random"]), "--sh-degree", numbers.randrange(4),
-               "--max-gaussians", numbers.randrange(500, 3000), "--random-points", 1000,
+               "--init", numbers.choice(["auto", "dense", "sfm", "random"]), "--set", f"sh-degree={numbers.randrange(4)}",
+               "--max-gaussians", numbers.randrange(500, 3000), "--set", "random-points=1000",
                "--oracle", numbers.choice(["auto", "consistency", "uniform"]),
                "--exposure", numbers.choice(["off", "on"])]  # fmt: skip
     return scene, options
@@ -115,7 +115,7 @@ def train_long(iterations):
     with Lab() as lab:
         out = lab.dir / "long"
         run = lab.start(out, "--iterations", iterations, "--checkpoint-every", max(1, iterations // 40), "--threads", 2,
-                        "--max-gaussians", 1500, "--refine-every", 50)  # fmt: skip
+                        "--max-gaussians", 1500, "--set", "refine-every=50")  # fmt: skip
         require(run.wait_for("train"), run.text())
         watch = Watch(run.process.pid)
         while run.stage == "train" and run.process.poll() is None:

@@ -169,51 +169,5 @@ TEST(InitializeGaussians, UsesScaleAndOpacityOptions) {
   EXPECT_THROW(InitializeGaussians(cloud, {}), ShapeError);
 }
 
-TEST(InitializeGaussians, MakesADiscAcrossAKnownNormal) {
-  PointCloud cloud;
-  cloud.xyz = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
-  cloud.rgb.resize(5, {0.5f, 0.5f, 0.5f});
-  cloud.normals = {Eigen::Vector3f(1, -2, 0.5f).normalized(), {0, 0, 1}, {0, 0, -1}, {1, 0, 0}, {0, 0, 0}};
-  InitializeOptions options;
-  options.flatness = 0.2;
-  const Gaussians flat = InitializeGaussians(cloud, options);
-  flat.Check("test");
-  const Gaussians round = InitializeGaussians({cloud.xyz, cloud.rgb, {}}, options);
-  const auto quats = Table(flat.quats), log_scales = Table(flat.log_scales), round_scales = Table(round.log_scales);
-  for (int i = 0; i < 5; ++i) {
-    const bool known = cloud.normals[static_cast<size_t>(i)].squaredNorm() > 0;
-    EXPECT_EQ(log_scales(i, 0), round_scales(i, 0));
-    EXPECT_EQ(log_scales(i, 1), round_scales(i, 1));
-    EXPECT_NEAR(std::exp(log_scales(i, 2) - log_scales(i, 0)), known ? 0.2 : 1, 1e-5);
-    const Eigen::Quaternionf q(quats(i, 0), quats(i, 1), quats(i, 2), quats(i, 3));
-    EXPECT_NEAR(q.norm(), 1, 1e-5);
-    const Eigen::Vector3f axis = q * Eigen::Vector3f::UnitZ();
-    if (known) {
-      EXPECT_GT(axis.dot(cloud.normals[static_cast<size_t>(i)]), 0.99999f) << i;
-    } else {
-      EXPECT_EQ(q.w(), 1);
-    }
-  }
-}
-
-TEST(InitializeGaussians, IgnoresNormalsForFlatnessOne) {
-  PointCloud cloud;
-  cloud.xyz = {{0, 0, 0}, {2, 0, 0}};
-  cloud.rgb.resize(2, {0.5f, 0.5f, 0.5f});
-  const Gaussians without = InitializeGaussians(cloud, {});
-  cloud.normals.resize(2, {1, 0, 0});
-  const Gaussians with = InitializeGaussians(cloud, {});
-  EXPECT_TRUE(Equal(with.quats, without.quats));
-  EXPECT_TRUE(Equal(with.log_scales, without.log_scales));
-}
-
-TEST(InitializeGaussians, RefusesNormalsOfAnotherCount) {
-  PointCloud cloud;
-  cloud.xyz = {{0, 0, 0}, {2, 0, 0}};
-  cloud.rgb.resize(2, {0.5f, 0.5f, 0.5f});
-  cloud.normals.resize(1, {0, 0, 1});
-  EXPECT_THROW(InitializeGaussians(cloud, {}), ShapeError);
-}
-
 }  // namespace
 }  // namespace oraclegs

@@ -14,7 +14,7 @@ Gaussians Blob(float red) {
     cloud.xyz.emplace_back(0.1f * static_cast<float>(i % 2), 0.1f * static_cast<float>(i / 2), 2.f);
     cloud.rgb.emplace_back(red, 0.f, 0.f);
   }
-  return InitializeGaussians(cloud, {20, 0.99, 1});
+  return InitializeGaussians(cloud, {20, 0.99});
 }
 
 Target Front() {

@@ -126,7 +126,7 @@ TEST_F(ProxyModelsTest, DependOnTheHorizonThatTheirRatesFollow) {
 TEST_F(ProxyModelsTest, DoNotDependOnHowProposalsAreTrainedOn) {
   RunOptions options = Request().options;
   TrainOptions other = options.train;
-  other.synthetic_floor = 0.7, other.proposal_weight = 3, other.confidence_gate = 0.5;
+  other.synthetic_floor = 0.7, other.proposal_ssim = 0.1, other.confidence_power = 0.5;
   EXPECT_EQ(OptionsToJson(ProxyOptions(options, other)), OptionsToJson(ProxyOptions(options, options.train)));
 }
 

@@ -130,7 +130,7 @@ TEST_F(SevaStageTest, OtherOptionsAndWeightsGiveAnotherKey) {
   options.seva.seed = 24;
   EXPECT_NE(SevaKey(options.seva), before);
   options = {};
-  options.seva.halves = seva::Halves::kInTurn, options.seva.memory = 5;
+  options.seva.halves = seva::Halves::kInTurn;
   EXPECT_EQ(SevaKey(options.seva), before) << "where it is computed is no reason to do it again";
   fs::copy_file(dir / "seva/model.safetensors", dir / "sd21-vae/model.safetensors",
                 fs::copy_options::overwrite_existing);

@@ -34,12 +34,23 @@ TEST(SetRunOptions, ReadsBackWhatARunSaves) {
   EXPECT_EQ(RunOptionsToJson(read), RunOptionsToJson(options));
 }
 
+TEST(RunOptionWords, SetWhatTheySay) {
+  using testing::ElementsAre;
+  EXPECT_THAT(RunOptionWords("views", 12), ElementsAre("--views", "12"));
+  EXPECT_THAT(RunOptionWords("report", false), ElementsAre("--no-report"));
+  EXPECT_THAT(RunOptionWords("eval", true), ElementsAre("--eval"));
+  EXPECT_THAT(RunOptionWords("ssim-weight", 0.25), ElementsAre("--set", "ssim-weight=0.25"));
+  EXPECT_THAT(RunOptionWords("init-planes", false), ElementsAre("--set", "init-planes=false"));
+  EXPECT_EQ(RunOptionShown("views"), "--views");
+  EXPECT_EQ(RunOptionShown("ssim-weight"), "--set ssim-weight");
+}
+
 TEST(SetRunOptions, NamesWhatDoesNotFit) {
   RunOptions options;
   const auto message = [&](const json& values) {
     return MessageOf<UsageError>([&] { SetRunOptions(values, UnknownOption::kError, &options); });
   };
-  EXPECT_THAT(message({{"iterationz", 5}}), HasSubstr("no option --iterationz"));
+  EXPECT_THAT(message({{"iterationz", 5}}), HasSubstr("no option --iterationz; did you mean 'iterations'?"));
   EXPECT_THAT(message({{"views", "many"}}), HasSubstr("--views is 'many', must be a whole number"));
   EXPECT_THAT(message({{"init", "thick"}}), HasSubstr("--init is 'thick', must be one of"));
   EXPECT_THAT(message({{"views", nullptr}}), HasSubstr("--views is null"));

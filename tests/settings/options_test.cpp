@@ -42,7 +42,7 @@ TEST(RunOptions, AreCheckedInEveryGroup) {
   EXPECT_THAT(MessageOf<UsageError>([&] { CheckRunOptions(options); }), testing::HasSubstr("--threads is -1"));
   options = {};
   options.start.init_scale = 0.;
-  EXPECT_THAT(MessageOf<UsageError>([&] { CheckRunOptions(options); }), testing::HasSubstr("--init-scale is 0"));
+  EXPECT_THAT(MessageOf<UsageError>([&] { CheckRunOptions(options); }), testing::HasSubstr("--set init-scale is 0"));
 }
 
 TEST(RunOptions, RefuseAMethodThatNeedsDepthWithoutDepth) {
@@ -53,7 +53,7 @@ TEST(RunOptions, RefuseAMethodThatNeedsDepthWithoutDepth) {
     CheckRunOptions(options);
     options.depth.depth_prior = DepthPrior::kNone;
     EXPECT_EQ(MessageOf<UsageError>([&] { CheckRunOptions(options); }),
-              fmt::format("--method {} needs depth, and --depth-prior none finds none; leave one of them out", method));
+              fmt::format("--set method={} needs depth, and --depth-prior none finds none; leave one of them out", method));
   }
   options.method.method = "3dgs";
   CheckRunOptions(options);
@@ -71,7 +71,7 @@ TEST(RunOptions, NameLayersAndWeightsOfVggt) {
   options.validate.vggt_layers = "0,22", options.validate.vggt_layer_weights = "1,3";
   EXPECT_NO_THROW(CheckRunOptions(options));
   options.validate.vggt_layer_weights = "1,-3";
-  EXPECT_THAT(MessageOf<UsageError>([&] { CheckRunOptions(options); }), testing::HasSubstr("--vggt-layer-weights"));
+  EXPECT_THAT(MessageOf<UsageError>([&] { CheckRunOptions(options); }), testing::HasSubstr("--set vggt-layer-weights"));
 }
 
 TEST(RunOptions, AskForAGeneratorAndItsCommandTogether) {

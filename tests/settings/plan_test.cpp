@@ -62,7 +62,7 @@ TEST(ChooseOracle, RefusesLayersThatTheNetworkLacks) {
   options.weights.vggt_weights = WriteTinyVggt(dir / "tiny.safetensors");
   options.validate.vggt_layers = "0,4";
   EXPECT_THAT(MessageOf<UsageError>([&] { ChooseOracle(options); }),
-              HasSubstr("--vggt-layers names layer 4; VGGT-1B has the layers 0 to 3"));
+              HasSubstr("--set vggt-layers names layer 4; VGGT-1B has the layers 0 to 3"));
   options.validate.oracle = OracleKind::kConsistency;
   EXPECT_NO_THROW(ChooseOracle(options)) << "it does not ask VGGT";
 }

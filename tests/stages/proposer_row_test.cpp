@@ -24,7 +24,7 @@ class ProposerRowTest : public ProposingTest {
 TEST_F(ProposerRowTest, AsksTheRowsThatAreWanted) {
   auto run = StartRun(Request(), Silent());
   Bring(&run, "depth");
-  const Gaussians blob = InitializeGaussians(ToPointCloud(std::vector<ScenePoint>(4)), {1, 0.5, 1});
+  const Gaussians blob = InitializeGaussians(ToPointCloud(std::vector<ScenePoint>(4)), {1, 0.5});
   const auto use = [&](ProposerChoice choice, bool has_proxies) {
     run.options.propose.proposers = choice;
     run.results->proxies.clear();

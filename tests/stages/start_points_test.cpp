@@ -72,16 +72,14 @@ TEST_F(StartPointsTest, TakesRandomPointsWhenAskedTo) {
   EXPECT_TRUE(recorder.warnings.empty());
 }
 
-TEST_F(StartPointsTest, DrawsFromTheDensePointsWithTheirNormals) {
+TEST_F(StartPointsTest, DrawsFromTheDensePoints) {
   request.options.start.init = StartKind::kDense;
   auto run = MakeRun(0);
   const StartPoints start = Choose(&run, Points(300), Dense(2000));
   EXPECT_EQ(start.source, "dense");
   ASSERT_EQ(start.cloud.xyz.size(), 500u);
-  ASSERT_EQ(start.cloud.normals.size(), 500u);
   ASSERT_EQ(start.cloud.rgb.size(), 500u);
   EXPECT_EQ(CountDense(start.cloud), 500u);
-  EXPECT_EQ(start.cloud.normals[17], Eigen::Vector3f(0, 0, -1));
   EXPECT_EQ(start.cloud.rgb[17], Eigen::Vector3f(0.1f, 0.2f, 0.3f));
   EXPECT_EQ(Choose(&run, Points(300), Dense(2000)).cloud.xyz, start.cloud.xyz);
   run.options.start.seed = 1;
@@ -148,7 +146,6 @@ TEST_F(StartPointsTest, TakesEveryNthSparsePointBeyondTheBudget) {
   ASSERT_EQ(start.cloud.xyz.size(), 500u);
   EXPECT_FLOAT_EQ(start.cloud.xyz[1].x(), 0.02f);  // every second one
   EXPECT_FLOAT_EQ(start.cloud.xyz[499].x(), 9.98f);
-  EXPECT_EQ(start.cloud.normals[499], Eigen::Vector3f(0, 0, 0)) << "unknown";
 }
 
 TEST_F(StartPointsTest, PrefersDensePoints) {
@@ -168,7 +165,6 @@ TEST_F(StartPointsTest, JoinsFewSparsePointsByRandomOnes) {
   EXPECT_EQ(start.source, "sfm+random");
   ASSERT_EQ(start.cloud.xyz.size(), 500u);  // 400 random points were asked for, the budget is 500
   EXPECT_EQ(start.cloud.rgb.size(), 500u);
-  EXPECT_EQ(start.cloud.normals.size(), 500u);
   EXPECT_FLOAT_EQ(start.cloud.xyz[149].x(), 1.49f);
 }
 
@@ -188,11 +184,8 @@ TEST_F(StartPointsTest, KeepsRoomForSparseAndRandomPointsInAHybridStart) {
   const StartPoints start = Choose(&run, Points(200), Dense(2000));
   EXPECT_EQ(start.source, "dense+sfm+random");
   ASSERT_EQ(start.cloud.xyz.size(), 500u);
-  ASSERT_EQ(start.cloud.normals.size(), 500u);
   EXPECT_EQ(CountDense(start.cloud), 250u);  // what 200 sparse and a tenth of random points leave
   EXPECT_EQ(start.cloud.xyz[250], Eigen::Vector3f(0, 0, 0)) << "the first sparse point";
-  EXPECT_EQ(start.cloud.normals[249], Eigen::Vector3f(0, 0, -1));
-  EXPECT_EQ(start.cloud.normals[250], Eigen::Vector3f(0, 0, 0));
   EXPECT_EQ(run.workspace.Record("start").at("source"), "dense+sfm+random");
 
   EXPECT_EQ(Choose(&run, {}, {}).source, "random") << "what there is";

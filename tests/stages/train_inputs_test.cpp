@@ -167,7 +167,7 @@ TEST(TrainInputs, TakeProposalsOfProxyModelsAsOftenAsTheyAreTrusted) {
   const TrainOptions settled = SettleProxyDose({}, proposals, recorder.AsListener());
   EXPECT_EQ(settled.schedule, ScheduleKind::kConstant);
   EXPECT_NEAR(settled.synthetic_floor.value(), 0.5 * (1 + 0.25) / 2, 1e-12);
-  EXPECT_THAT(recorder.notes, testing::ElementsAre("31 % of the iterations take a proposal (--synthetic-floor)"));
+  EXPECT_THAT(recorder.notes, testing::ElementsAre("31 % of the iterations take a proposal (--set synthetic-floor)"));
   EXPECT_TRUE(SettleProxyDose({}, {}, Silent()).schedule.is_auto());
   TrainOptions asked;
   asked.synthetic_floor = 0.2;

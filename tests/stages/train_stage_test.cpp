@@ -95,7 +95,7 @@ TEST_F(TrainStageTest, WeighsPhotosByCovisibilityWhichNeedsDepth) {
   request.options.method.method = "comapgs";
   request.options.depth.depth_prior = DepthPrior::kNone;
   EXPECT_THAT(MessageOf<UsageError>([&] { Train(request); }),
-              HasSubstr("--method comapgs needs depth, and --depth-prior none finds none"));
+              HasSubstr("--set method=comapgs needs depth, and --depth-prior none finds none"));
 }
 
 TEST_F(TrainStageTest, StopsWhenItsFolderIsRemoved) {

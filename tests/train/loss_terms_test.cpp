@@ -89,19 +89,6 @@ TEST(LossPlan, GivesTheShareOfLpipsToL1WithoutANetwork) {
   EXPECT_EQ(weights.dssim, 0.3f);
 }
 
-TEST(LossPlan, ScalesTheWholeLossOfProposals) {
-  TrainOptions options = Options();
-  const TrainingData data({Complete("photo", 2)}, {Complete("proposal", 3)}, NoDistance);
-  const LossTerms once = LossPlan(options, data).Terms(kProposal, 30);
-  options.proposal_weight = 2.5;
-  const LossPlan plan(options, data);
-  const LossTerms more = plan.Terms(kProposal, 30);
-  EXPECT_FLOAT_EQ(more.begin()[0].photometric.l1, 2.5f * once.begin()[0].photometric.l1);
-  EXPECT_FLOAT_EQ(more.begin()[0].photometric.dssim, 2.5f * once.begin()[0].photometric.dssim);
-  for (const int k : {1, 2}) EXPECT_DOUBLE_EQ(more.begin()[k].weight, 2.5 * once.begin()[k].weight) << k;
-  EXPECT_EQ(plan.Terms(kPhoto, 30).begin()->photometric.l1, 0.8f);
-}
-
 TEST(LossPlan, LowersTheDepthWeightOverTheRun) {
   TrainOptions options = Options();
   options.depth_weight = 2;
@@ -131,7 +118,7 @@ TEST(LossPlan, RefusesSharesOfMoreThanOne) {
   TrainOptions options = Options();
   options.proposal_ssim = 0.75, options.proposal_lpips = 0.5;
   EXPECT_THAT(MessageOf<UsageError>([&] { LossPlan(options, Photos(1)); }),
-              testing::HasSubstr("--proposal-ssim 0.75 and --proposal-lpips 0.5 sum to 1.25"));
+              testing::HasSubstr("--set proposal-ssim=0.75 and --set proposal-lpips=0.5 sum to 1.25"));
   options.proposal_lpips = 0.25;
   EXPECT_NO_THROW(LossPlan(options, Photos(1)));
 }

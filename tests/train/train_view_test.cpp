@@ -119,24 +119,22 @@ TEST(CheckProposalsTest, ConfidenceIsAShare) {
   EXPECT_THROW(CheckProposals({view}), ShapeError);
 }
 
-TEST(WithGatedConfidenceTest, GateIsHardAndWhatPassesIsSoft) {
+TEST(WithConfidencePowerTest, KeepsWhatHasNoConfidenceAtZero) {
   TrainView view = WithDepth(0.5f);
-  EXPECT_FALSE(WithGatedConfidence(view, 0.9, 2).confidence.defined());
+  EXPECT_FALSE(WithConfidencePower(view, 2).confidence.defined());
   view.confidence = Buffer<float>::Zeros({kHeight, kWidth});
   view.confidence[1] = 0.25f;
   view.confidence[2] = 0.5f;
   view.confidence[3] = 1.f;
   const Buffer<float> before = view.confidence.Clone();
-  const auto row = [&](double gate, double power) {
-    const Buffer<float> u = WithGatedConfidence(view, gate, power).confidence;
+  const auto row = [&](double power) {
+    const Buffer<float> u = WithConfidencePower(view, power).confidence;
     return std::vector<float>(u.data(), u.data() + 4);
   };
-  EXPECT_TRUE(Equal(WithGatedConfidence(view, 0, 1).confidence, before));
-  EXPECT_EQ(row(0.5, 1), (std::vector<float>{0, 0, 0.5f, 1}));
-  EXPECT_EQ(row(0, 2), (std::vector<float>{0, 0.0625f, 0.25f, 1}));
-  EXPECT_EQ(row(0.3, 0), (std::vector<float>{0, 0, 1, 1}));
-  EXPECT_EQ(row(0, 0), (std::vector<float>{0, 1, 1, 1}));  // what has no confidence never counts
-  EXPECT_TRUE(Equal(view.confidence, before));             // not written
+  EXPECT_TRUE(Equal(WithConfidencePower(view, 1).confidence, before));
+  EXPECT_EQ(row(2), (std::vector<float>{0, 0.0625f, 0.25f, 1}));
+  EXPECT_EQ(row(0), (std::vector<float>{0, 1, 1, 1}));  // what has no confidence never counts
+  EXPECT_TRUE(Equal(view.confidence, before));          // not written
 }
 
 TEST(WithCleanDepthTest, DepthCountsOnlyWhereThePhotoDoes) {

@@ -163,9 +163,6 @@ TEST(TrainerProposalsTest, SaysOnceThatLpipsIsMissing) {
   options = Options(5);
   options.proposal_lpips = 0;
   EXPECT_TRUE(Notes(options, data).empty());
-  options = Options(5);
-  options.proposal_weight = 0;
-  EXPECT_TRUE(Notes(options, data).empty());
   int asked = 0;
   const PerceptualDistance lpips = [&](auto&&...) { return static_cast<double>(++asked); };
   EXPECT_TRUE(Notes(Constantly(1, 5), {data.photos, data.proposals, lpips}).empty());

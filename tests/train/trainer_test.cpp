@@ -450,7 +450,7 @@ TEST(TrainerTest, RefusesCheckpointsOfAnotherRun) {
   bad.adam = Adam(3);
   EXPECT_THROW(MakeTrainer(Options()).Restore(bad), InputError);
   bad.adam = Adam(bad.gaussians.size(), ShMoments::kCompact);
-  EXPECT_THAT(MessageOf<InputError>([&] { MakeTrainer(Options()).Restore(bad); }), HasSubstr("--sh-moments"));
+  EXPECT_THAT(MessageOf<InputError>([&] { MakeTrainer(Options()).Restore(bad); }), HasSubstr("--set sh-moments"));
 
   bad = trainer.MakeCheckpoint();
   bad.options = {{"seed", 1}, {"iterations", 7000}};

@@ -41,17 +41,18 @@ TEST(AttentionLayers, CountAlikeWithoutWeights) {
 
 TEST(AttentionLayers, RefuseWhatIsNoListOfThem) {
   for (const char* layers : {"x", "0,2.5", "-1", "0;22", "99999999999999999999"}) {
-    EXPECT_THAT(Refusal(layers, ""), AllOf(HasSubstr("--vggt-layers: '"), HasSubstr("number of a layer"))) << layers;
+    EXPECT_THAT(Refusal(layers, ""), AllOf(HasSubstr("--set vggt-layers: '"), HasSubstr("number of a layer")))
+        << layers;
   }
   for (const char* weights : {"1,x", "1,-3", "1,nan", "inf,1", "1,1e999"}) {
-    EXPECT_THAT(Refusal("0,22", weights), AllOf(HasSubstr("--vggt-layer-weights: '"), HasSubstr("a number from 0")))
+    EXPECT_THAT(Refusal("0,22", weights), AllOf(HasSubstr("--set vggt-layer-weights: '"), HasSubstr("a number from 0")))
         << weights;
   }
-  EXPECT_THAT(Refusal("0,22,0", ""), HasSubstr("--vggt-layers names layer 0 more than once"));
-  EXPECT_THAT(Refusal("0,22", "1,2,3"), HasSubstr("names 2 layers, --vggt-layer-weights 3"));
+  EXPECT_THAT(Refusal("0,22,0", ""), HasSubstr("--set vggt-layers names layer 0 more than once"));
+  EXPECT_THAT(Refusal("0,22", "1,2,3"), HasSubstr("names 2 layers, --set vggt-layer-weights 3"));
   EXPECT_THAT(Refusal("0,22", "1"), HasSubstr("give each layer one weight"));
   EXPECT_THAT(Refusal("0,22", "0,0"), HasSubstr("at least one must be above 0"));
-  EXPECT_THAT(Refusal("", "1,3"), HasSubstr("--vggt-layer-weights needs --vggt-layers"));
+  EXPECT_THAT(Refusal("", "1,3"), HasSubstr("--set vggt-layer-weights needs --set vggt-layers"));
 }
 
 TEST(AttentionLayers, MustBeAmongTheNetworks) {
@@ -59,7 +60,7 @@ TEST(AttentionLayers, MustBeAmongTheNetworks) {
   EXPECT_NO_THROW(RequireAttentionLayers(layers, 24, "VGGT-1B"));
   EXPECT_NO_THROW(RequireAttentionLayers({}, 1, "VGGT-1B"));
   EXPECT_THAT(MessageOf<UsageError>([&] { RequireAttentionLayers(layers, 23, "VGGT-1B"); }),
-              HasSubstr("--vggt-layers names layer 23; VGGT-1B has the layers 0 to 22"));
+              HasSubstr("--set vggt-layers names layer 23; VGGT-1B has the layers 0 to 22"));
 }
 
 }  // namespace

@@ -158,9 +158,9 @@ TEST(ChooseChunk, IsEightOrWhatTheMemoryHolds) {
   EXPECT_TRUE(recorder.warnings.empty());
   EXPECT_EQ(ChooseChunk(bytes, {}, 40, mebibytes(13), recorder.AsListener()), 3u);
   EXPECT_THAT(recorder.warnings, testing::ElementsAre(testing::AllOf(HasSubstr("3 proposals at a time, not 8"),
-                                                                     HasSubstr("--oracle-chunk 3"))));
+                                                                     HasSubstr("--set oracle-chunk=3"))));
   EXPECT_EQ(ChooseChunk(bytes, 20, 40, mebibytes(13), recorder.AsListener()), 20u);
-  EXPECT_THAT(recorder.warnings.back(), testing::AllOf(HasSubstr("--oracle-chunk 20"), HasSubstr("are free")));
+  EXPECT_THAT(recorder.warnings.back(), testing::AllOf(HasSubstr("--set oracle-chunk=20"), HasSubstr("are free")));
   EXPECT_THAT(MessageOf<RunError>([&] { ChooseChunk(bytes, {}, 40, mebibytes(10), Silent()); }),
               testing::AllOf(HasSubstr("for one proposal beside an image"), HasSubstr("--oracle consistency")));
 }

@@ -202,7 +202,7 @@ const BaselineMethod& FindBaseline(std::string_view word) {
     if (method.word == word) return method;
     words.push_back(method.word);
   }
-  throw UsageError("--method is '{}'; there are {}{}", word, fmt::join(words, ", "), DidYouMean(word, words));
+  throw UsageError("--set method is '{}'; there are {}{}", word, fmt::join(words, ", "), DidYouMean(word, words));
 }
 
 BaselineSettings MethodOptions::Settings() const {

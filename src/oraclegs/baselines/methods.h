@@ -15,7 +15,7 @@ namespace oraclegs {
 TrainOptions Published3dgs();
 
 struct BaselineMethod {
-  std::string word;           ///< for --method: "cor-gs", or "cor-gs-dtu" for the settings of one dataset
+  std::string word;           ///< for --set method=WORD: "cor-gs", or "cor-gs-dtu" for the settings of one dataset
   TrainOptions train;         ///< the trainer's options
   BaselineSettings own = {};  ///< what the method has beside them
 };

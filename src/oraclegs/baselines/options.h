@@ -18,7 +18,8 @@ struct MethodOptions {
   static void Visit(Self& self, V&& visit) {
     visit("method", self.method,
           "Densify and regularize as this published method does; `oraclegs bench` sets it together with the other "
-          "options of the method (docs/baselines.md)");
+          "options of the method (docs/baselines.md)",
+          Tier::kSetting);
   }
 };
 

@@ -4,6 +4,10 @@
 
 namespace oraclegs {
 
+std::string OptionShown(Tier tier, const std::string& name) {
+  return (tier == Tier::kSetting ? "--set " : "--") + name;
+}
+
 std::string TextOf(const OptionValue& value) {
   if (const bool* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
   if (const int64_t* whole = std::get_if<int64_t>(&value)) return fmt::format("{}", *whole);

@@ -10,7 +10,8 @@
 //   };
 //
 // A field is a bool, a number, a text, a list of texts, a path, an enumeration with words (enum_words.h), or Auto of a
-// number or an enumeration: "auto" decides for the user.
+// number or an enumeration: "auto" decides for the user. Tier::kSetting behind the help makes the option an expert's
+// setting: no flag, but --set NAME=VALUE; all else is the same for both.
 
 #include <charconv>
 #include <cstdint>
@@ -58,6 +59,34 @@ struct Range {
   double high = std::numeric_limits<double>::infinity();
 };
 
+/// How the command line names an option: --NAME VALUE, or --set NAME=VALUE.
+enum class Tier { kFlag, kSetting };
+
+/// "--views" or "--set ssim-weight": an option as messages name it.
+std::string OptionShown(Tier tier, const std::string& name);
+
+/// Tier among the words of a declaration behind the help; a flag when none says otherwise.
+template <class... Rest>
+constexpr Tier TierIn(const Rest&... rest) {
+  Tier tier = Tier::kFlag;
+  [[maybe_unused]] const auto look = [&](const auto& one) {
+    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(one)>, Tier>) tier = one;
+  };
+  (look(rest), ...);
+  return tier;
+}
+
+/// Range among the words of a declaration behind the help.
+template <class... Rest>
+constexpr std::optional<Range> RangeIn(const Rest&... rest) {
+  std::optional<Range> range;
+  [[maybe_unused]] const auto look = [&](const auto& one) {
+    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(one)>, Range>) range = one;
+  };
+  (look(rest), ...);
+  return range;
+}
+
 /// The value of a field, for files.
 using OptionValue = std::variant<bool, int64_t, double, std::string, std::vector<std::string>>;
 
@@ -82,9 +111,13 @@ OptionValue ToOptionValue(const T& field) {
 /// "true", "12", "0.5", "auto", "a, b": as the help and the messages show it.
 std::string TextOf(const OptionValue& value);
 
-/// Sets the field from the user's text. Throws UsageError "--init is 'x', must be one of: auto, dense".
+/// Sets the field from the user's text, which a list of texts receives behind those that it has. Throws UsageError
+/// "--init is 'x', must be one of: auto, dense".
 template <class T>
-void SetOption(const char* name, const std::string& text, T* field) {
+void SetOption(const char* name, const std::string& text, T* field, Tier tier = Tier::kFlag) {
+  [[maybe_unused]] const auto refuse = [&](const std::string& must) {
+    throw UsageError("{} is '{}', {}", OptionShown(tier, name), text, must);
+  };
   if constexpr (kIsAuto<T>) {
     if (text == "auto") {
       *field = {};
@@ -93,28 +126,29 @@ void SetOption(const char* name, const std::string& text, T* field) {
     typename T::Value value{};
     if constexpr (std::is_enum_v<typename T::Value>) {
       const auto known = FromWord<typename T::Value>(text);
-      if (!known)
-        throw UsageError("--{} is '{}', must be one of: auto, {}", name, text, AllWords<typename T::Value>(", "));
+      if (!known) refuse("must be one of: auto, " + AllWords<typename T::Value>(", "));
       value = *known;
     } else {
-      SetOption(name, text, &value);
+      SetOption(name, text, &value, tier);
     }
     *field = value;
   } else if constexpr (std::is_enum_v<T>) {
     const std::optional<T> value = FromWord<T>(text);
-    if (!value) throw UsageError("--{} is '{}', must be one of: {}", name, text, AllWords<T>(", "));
+    if (!value) refuse("must be one of: " + AllWords<T>(", "));
     *field = *value;
   } else if constexpr (std::is_same_v<T, bool>) {
-    if (text != "true" && text != "false") throw UsageError("--{} is '{}', must be true or false", name, text);
+    if (text != "true" && text != "false") refuse("must be true or false");
     *field = text == "true";
   } else if constexpr (std::is_arithmetic_v<T>) {
     T value{};
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error == std::errc::result_out_of_range) throw UsageError("--{} is '{}', which is too large", name, text);
+    if (error == std::errc::result_out_of_range) refuse("which is too large");
     if (error != std::errc() || end != text.data() + text.size()) {
-      throw UsageError("--{} is '{}', must be a {}number", name, text, std::is_integral_v<T> ? "whole " : "");
+      refuse(std::is_integral_v<T> ? "must be a whole number" : "must be a number");
     }
     *field = value;
+  } else if constexpr (std::is_same_v<T, std::vector<std::string>>) {
+    field->push_back(text);
   } else {
     *field = text;
   }
@@ -122,18 +156,18 @@ void SetOption(const char* name, const std::string& text, T* field) {
 
 /// Throws UsageError "--views is -3, must be in 0 .. 100000" for the first field out of its bounds.
 struct OptionChecker {
-  template <class T>
-  void operator()(const char* name, const T& value, const char* help, const Range& range) const {
+  template <class T, class... Rest>
+  void operator()(const char* name, const T& value, const char* help, const Rest&... rest) const {
     if constexpr (kIsAuto<T>) {
-      if (!value.is_auto()) (*this)(name, value.value(), help, range);
+      if (!value.is_auto()) (*this)(name, value.value(), help, rest...);
     } else if constexpr (std::is_arithmetic_v<T>) {
-      if (!(static_cast<double>(value) >= range.low && static_cast<double>(value) <= range.high)) {
-        throw UsageError("--{} is {}, must be in {} .. {}", name, value, range.low, range.high);
+      const std::optional<Range> range = RangeIn(rest...);
+      if (range && !(static_cast<double>(value) >= range->low && static_cast<double>(value) <= range->high)) {
+        throw UsageError("{} is {}, must be in {} .. {}", OptionShown(TierIn(rest...), name), value, range->low,
+                         range->high);
       }
     }
   }
-  template <class T>
-  void operator()(const char*, const T&, const char*) const {}
 };
 
 template <class Options>
@@ -144,14 +178,15 @@ void CheckOptions(const Options& options) {
 struct NamedOption {
   std::string name;
   OptionValue value;
+  Tier tier = Tier::kFlag;
 };
 
 /// Every field with its value, in the order of Visit.
 template <class Options>
 std::vector<NamedOption> ListOptions(const Options& options) {
   std::vector<NamedOption> list;
-  Options::Visit(options, [&](const char* name, const auto& value, auto&&...) {
-    list.push_back({name, ToOptionValue(value)});
+  Options::Visit(options, [&](const char* name, const auto& value, const char*, const auto&... rest) {
+    list.push_back({name, ToOptionValue(value), TierIn(rest...)});
   });
   return list;
 }

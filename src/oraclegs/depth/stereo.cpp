@@ -15,6 +15,7 @@
 namespace oraclegs {
 namespace {
 
+constexpr int kSourceViews = 5;          // of each view; more cost time and change little
 constexpr int kMinCoarseSide = 60;       // pixels: below, halving leaves patches nothing to compare
 constexpr int kGeometricIterations = 2;  // of a pass in which views must agree
 constexpr int kMinLocalSide = 240;       // pixels: below, the coarser resolution misses too much, 0.1 dB of the splat
@@ -31,7 +32,7 @@ class Stereo {
         listener_(listener),
         silhouettes_(views),
         ranges_(FindDepthRanges(views, points, silhouettes_)),
-        neighbors_(FindNeighbors(views, points, options.neighbors)) {
+        neighbors_(FindNeighbors(views, points, kSourceViews)) {
     smallest_ = views.front().camera.width;
     for (const LoadedView& p : views) smallest_ = std::min({smallest_, p.camera.width, p.camera.height});
     levels_ = smallest_ >= 2 * kMinCoarseSide ? 2 : 1;
@@ -65,10 +66,8 @@ class Stereo {
   }
 
  private:
-  bool InColor() const {
-    const StereoColor decided = silhouettes_.empty() ? StereoColor::kBrightness : StereoColor::kColors;
-    return options_.stereo_color.ValueOr(decided) == StereoColor::kColors;
-  }
+  /// Whether colors are compared: those of an object before a plain background. Brightness is three times as fast.
+  bool InColor() const { return !silhouettes_.empty(); }
 
   StereoScene SceneAt(int level) const {
     StereoScene scene;

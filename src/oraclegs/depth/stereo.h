@@ -14,28 +14,16 @@ namespace oraclegs {
 
 class PlaneSearch;
 
-enum class StereoColor { kColors, kBrightness };
-
-template <>
-struct EnumWords<StereoColor> {
-  static constexpr EnumWord<StereoColor> kWords[] = {{StereoColor::kColors, "yes"}, {StereoColor::kBrightness, "no"}};
-};
-
 struct StereoOptions {
-  int neighbors = 5;
   int iterations = 5;
   int geometric_passes = 2;
-  Auto<StereoColor> stereo_color;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
-    visit("stereo-neighbors", self.neighbors, "Source photos per reference photo", Range{1, 8});
     visit("stereo-iterations", self.iterations,
-          "Iterations of the photometric search (PatchMatch), at the coarse resolution", Range{1, 50});
-    visit("stereo-passes", self.geometric_passes, "Geometric-consistency passes at each resolution", Range{1, 16});
-    visit("stereo-color", self.stereo_color,
-          "Compare colors or brightness only, which is three times as fast; auto = colors for an object before a "
-          "plain background");
+          "Iterations of the photometric search (PatchMatch), at the coarse resolution", Range{1, 50}, Tier::kSetting);
+    visit("stereo-passes", self.geometric_passes, "Geometric-consistency passes at each resolution", Range{1, 16},
+          Tier::kSetting);
   }
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "oraclegs/core/text.h"
+#include "oraclegs/settings/named_options.h"
 
 namespace oraclegs {
 namespace {
@@ -85,9 +86,8 @@ std::string Protocol(const Ablation& a) {
 
 /// "--init sfm", as it is typed.
 std::string Typed(const std::string& name, const json& value) {
-  if (value.is_boolean()) return fmt::format("--{}{}", value.get<bool>() ? "" : "no-", name);
-  const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
-  return text.empty() ? fmt::format("no --{}", name) : fmt::format("--{} {}", name, text);
+  if (value == "") return "no " + RunOptionShown(name);
+  return fmt::format("{}", fmt::join(RunOptionWords(name, value), " "));
 }
 
 /// Escapes text so that it stays within its cell and is no markup.

@@ -45,7 +45,7 @@ const std::vector<AblationRow>& AblationRows() {
        [](const RunOptions& asked, RunOptions* o) {
          const StartOptions usual;
          o->start.init = StartKind::kRandomCube, o->start.init_scale = 0.1;
-         o->start.init_opacity = usual.init_opacity, o->start.init_flatness = usual.init_flatness;
+         o->start.init_opacity = usual.init_opacity;
          o->propose.proposers = ProposerChoice::kNone, o->propose.proposal_folder.clear();
          o->propose.generator.clear();
          o->train.schedule = ScheduleKind::kUnion, o->validate.oracle = OracleKind::kUniform;

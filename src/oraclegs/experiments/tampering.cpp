@@ -51,7 +51,7 @@ void RequireTamperable(const AblationRequest& request) {
   }
   if (asked.validate.oracle == OracleKind::kUniform || asked.train.confidence_power == 0) {
     throw UsageError(
-        "--oracle uniform and --confidence-power 0 leave --suite tampering nothing to compare; leave them out");
+        "--oracle uniform and --set confidence-power=0 leave --suite tampering nothing to compare; leave them out");
   }
   if (!HasProposals(asked)) {
     throw UsageError("--proposals 0 and --schedule none leave --suite tampering no proposals; leave them out");

@@ -163,24 +163,9 @@ std::vector<float> MeanSquaredNeighborDistance(const std::vector<Eigen::Vector3f
   return out;
 }
 
-namespace {
-
-/// Scales and rotation of a disc that faces along the normal.
-void Flatten(const Eigen::Vector3f& normal, double flatness, float* log_scales, float* quat) {
-  if (!(normal.squaredNorm() > 0)) return;
-  log_scales[2] += static_cast<float>(std::log(flatness));
-  const Eigen::Quaternionf q = Eigen::Quaternionf::FromTwoVectors(Eigen::Vector3f::UnitZ(), normal);
-  quat[0] = q.w(), quat[1] = q.x(), quat[2] = q.y(), quat[3] = q.z();
-}
-
-}  // namespace
-
 Gaussians InitializeGaussians(const PointCloud& points, const InitializeOptions& options, Device device) {
   if (points.rgb.size() != points.xyz.size()) {
     throw ShapeError("InitializeGaussians: {} colors for {} points", points.rgb.size(), points.xyz.size());
-  }
-  if (!points.normals.empty() && points.normals.size() != points.xyz.size()) {
-    throw ShapeError("InitializeGaussians: {} normals for {} points", points.normals.size(), points.xyz.size());
   }
   const std::vector<float> d2 = MeanSquaredNeighborDistance(points.xyz, device);
   const auto n = static_cast<int64_t>(points.xyz.size());
@@ -196,9 +181,6 @@ Gaussians InitializeGaussians(const PointCloud& points, const InitializeOptions&
       row.means[k] = points.xyz[i][k];
       row.log_scales[k] = log_scale;
       row.sh[k] = static_cast<float>((static_cast<double>(points.rgb[i][k]) - 0.5) / kConstantSh);
-    }
-    if (!points.normals.empty() && options.flatness != 1) {
-      Flatten(points.normals[i], options.flatness, row.log_scales, row.quats);
     }
   }
   return g;

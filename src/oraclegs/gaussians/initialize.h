@@ -14,8 +14,7 @@ namespace oraclegs {
 /// Colored points to start from.
 struct PointCloud {
   std::vector<Eigen::Vector3f> xyz;
-  std::vector<Eigen::Vector3f> rgb;      ///< [0, 1]
-  std::vector<Eigen::Vector3f> normals;  ///< unit, zero where unknown; empty = all unknown
+  std::vector<Eigen::Vector3f> rgb;  ///< [0, 1]
 };
 
 PointCloud ToPointCloud(const std::vector<ScenePoint>& points);
@@ -38,12 +37,10 @@ std::vector<float> MeanSquaredNeighborDistance(const std::vector<Eigen::Vector3f
 struct InitializeOptions {
   double scale_factor = 0.1;  ///< of the root mean squared neighbor distance ([Kheradmand 2024]: 0.1; [Kerbl 2023]: 1)
   double opacity = 0.5;       ///< start opacity
-  double flatness = 1;        ///< thickness along the normal, of the other two scales; where a normal is known
 };
 
-/// Gaussians at the points: sh0 from the color, scale from the neighbors; isotropic and not rotated, or, where the
-/// normal is known and flatness is not 1, the third axis along the normal. The buffers are the host's; `device` is
-/// where the neighbors are looked for.
+/// Gaussians at the points: sh0 from the color, scale from the neighbors; isotropic and not rotated. The buffers
+/// are the host's; `device` is where the neighbors are looked for.
 Gaussians InitializeGaussians(const PointCloud& points, const InitializeOptions& options, Device device = kCpu);
 
 }  // namespace oraclegs

@@ -24,7 +24,6 @@ struct ProposeOptions {
   int proxy_models = 2;
   double proxy_share = 0.2;
   Auto<double> proxy_finish;  ///< see ProxyFinish
-  Auto<int> proxy_gaussians;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
@@ -42,19 +41,17 @@ struct ProposeOptions {
           "Also train on these views, made by any other generator: images with transforms.json, or synthetic_N/ named "
           "like the scene's images, with synthetic_N_attention_maps/ as their confidence");
     visit("proxy-models", self.proxy_models,
-          "Proxy models to train for splat; of few photos more, so that each sees three", Range{2, 16});
+          "Proxy models to train for splat; of few photos more, so that each sees three", Range{2, 16}, Tier::kSetting);
     visit("proxy-share", self.proxy_share,
           "Iterations of a proxy model with photos held out, as a fraction of --iterations; the errors on these photos "
           "calibrate the confidence",
-          Range{0.01, 1});
+          Range{0.01, 1}, Tier::kSetting);
     visit(
         "proxy-finish", self.proxy_finish,
         "Iterations that follow with all photos, as a fraction of --iterations; proposals are rendered from the "
         "models after these; 0 = from the models with photos held out; auto = 0.4, or 0.6 of an object before a plain "
         "background",
-        Range{0, 1});
-    visit("proxy-gaussians", self.proxy_gaussians,
-          "Maximum number of Gaussians of a proxy model; auto = as many as --max-gaussians", Range{1, 1e8});
+        Range{0, 1}, Tier::kSetting);
   }
 
   ProposerChoice Choice() const { return proposers.ValueOr(ProposerChoice::kSplat); }

@@ -230,15 +230,12 @@ TrainOptions ProxyOptions(const RunOptions& options, TrainOptions train) {
   for (Auto<int>* iterations : {&train.sh_degree_interval, &train.refine_start}) {
     if (!iterations->is_auto()) *iterations = scaled(iterations->value());
   }
-  const int most = train.max_gaussians.value();
-  train.max_gaussians = std::min(most, options.propose.proxy_gaussians.ValueOr(most));
   // Nothing that concerns proposals reaches a proxy model: other values of these ask for no new ones.
   const TrainOptions unused;
   train.schedule = ScheduleKind::kNone;
   train.synthetic_floor = unused.synthetic_floor, train.synthetic_peak = unused.synthetic_peak;
-  train.proposal_weight = unused.proposal_weight, train.proposal_ssim = unused.proposal_ssim;
-  train.proposal_lpips = unused.proposal_lpips;
-  train.confidence_gate = unused.confidence_gate, train.confidence_power = unused.confidence_power;
+  train.proposal_ssim = unused.proposal_ssim, train.proposal_lpips = unused.proposal_lpips;
+  train.confidence_power = unused.confidence_power;
   return train;
 }
 

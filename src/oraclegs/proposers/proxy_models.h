@@ -10,12 +10,12 @@ TrainOptions ProxyOptions(const RunOptions& options, TrainOptions train);
 
 /// Training views that a proxy model has at first, where there are more.
 inline constexpr int kViewsOfProxy = 3;
-/// How many proxy models are trained of so many training views: --proxy-models, or more where each would see fewer
+/// How many proxy models are trained of so many training views: --set proxy-models, or more where each would see fewer
 /// views than kViewsOfProxy.
 int ProxyCount(const ProposeOptions& options, int views);
 
 /// Stage "proxies": the models of proposer "splat", each trained without the views that are held out from it, from what
-/// stereo found in the others, and then for --proxy-finish with all (docs/method.md#proxy-models). Writes
+/// stereo found in the others, and then for --set proxy-finish with all (docs/method.md#proxy-models). Writes
 /// proposals/proxies/K_before.ply and K.ply; an interrupted run loses at most one. None, with a warning, when there are
 /// too few views or points. Other target poses are no reason to train them again.
 StageWork ProxyStage();

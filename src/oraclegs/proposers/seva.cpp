@@ -34,7 +34,7 @@ SevaFiles FindSevaFiles() {
 std::string SevaKey(const SevaOptions& options) {
   const SevaFiles files = FindSevaFiles();
   nlohmann::json json = OptionsToJson(options);
-  for (const char* name : {"seva-halves", "seva-memory"}) json.erase(name);  // how it fits into memory
+  json.erase("seva-halves");  // how it fits into memory
   Fingerprint print;
   print.Add(json.dump());
   for (const fs::path& file : {files.unet.front(), files.vae, files.clip}) {

@@ -72,8 +72,8 @@ void CheckSmallerCopies(const Scene& scene, const ImageOptions& options, const L
   if (has_smaller) return;
   if (required) {
     throw InputError(
-        "{}: has no folder images_{}, as --smaller-copies required asks for; get the dataset's, or say "
-        "--smaller-copies auto to resize the photos here",
+        "{}: has no folder images_{}, as --set smaller-copies=required asks for; get the dataset's, or say "
+        "--set smaller-copies=auto to resize the photos here",
         scene.root.string(), downscale);
   }
   listener(
@@ -185,7 +185,7 @@ SceneFrame GivenFrame(const Scene& scene, const Split& split, const RunOptions& 
   SceneFrame frame = NormalFrame(scene, split.train);
   if (options.input.frame == FrameKind::kScene) {
     if (const std::string why = WhyUnitsDoNotFit(frame); !why.empty()) {
-      listener(Warning{fmt::format("--frame scene: {}; leave the option out", why)});
+      listener(Warning{fmt::format("--set frame=scene: {}; leave the option out", why)});
     }
     frame = SceneFrame();
     frame.is_given = true;

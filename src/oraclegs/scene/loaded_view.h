@@ -56,7 +56,8 @@ struct ImageOptions {
           Range{1, 64});
     visit("smaller-copies", self.smaller_copies,
           "For --downscale N: auto = the dataset's own images_N where it has one, else the photos, resized; required = "
-          "an error where there is none, for scores that compare with published ones");
+          "an error where there is none, for scores that compare with published ones",
+          Tier::kSetting);
     visit("background", self.background, "Color behind transparent pixels and behind the scene");
   }
 };

@@ -144,7 +144,7 @@ void ReportPoints(const KeptPoints& kept, size_t total, const std::string& sourc
   if (kept.untracked > 0) {
     listener(Note{fmt::format(
         "{}: {} of {} points have no track that says which photos saw them; each counts as seen by the photos it falls "
-        "into, and training starts from them where all photos train, or with --sfm-points model",
+        "into, and training starts from them where all photos train, or with --set sfm-points=model",
         source, kept.untracked, total)});
   }
   if (kept.not_finite + kept.unseen > 0) {

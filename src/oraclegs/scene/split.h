@@ -40,7 +40,8 @@ struct SplitOptions {
     visit("views", self.views, "Training views, picked evenly from the rest, at linspace(0, n-1, N); 0 = all",
           Range{0, 1e6});
     visit("view-steps", self.view_steps,
-          "How these positions become whole: truncate, as papers on Mip-NeRF 360 do, or round, as those on LLFF do");
+          "How these positions become whole: truncate, as papers on Mip-NeRF 360 do, or round, as those on LLFF do",
+          Tier::kSetting);
     visit("train-views", self.train_views,
           "The training views: names, with or without folder and extension, and positions in name order, :0 the first, "
           "joined by commas; or @FILE with one a line, or with the JSON of a run's split.json");

@@ -1,49 +1,62 @@
 #include "oraclegs/settings/named_options.h"
 
+#include <map>
 #include <nlohmann/json.hpp>
-#include <set>
+
+#include "oraclegs/core/nearest_word.h"
 
 namespace oraclegs {
 namespace {
 
-/// Text of a value, as on the command line. Throws UsageError.
-std::string TextOfJson(const std::string& name, const nlohmann::json& value) {
-  if (value.is_string()) return value.get<std::string>();
-  if (value.is_boolean() || value.is_number()) return value.dump();
-  throw UsageError("--{} is {}, must be a number, a text, or true or false", name, value.dump());
+/// Tier of each option of a run.
+const std::map<std::string, Tier>& RunTiers() {
+  static const std::map<std::string, Tier> tiers = [] {
+    std::map<std::string, Tier> known;
+    RunOptions options;
+    OptionTable table = TableOf(&options);
+    for (const std::string& name : table.Names()) known[name] = table.Find(name)->tier();
+    return known;
+  }();
+  return tiers;
 }
 
-/// Calls f for all groups that `reconstruct` has.
-template <class Options, class F>
-void ForEachNamedGroup(Options& options, F&& f) {
-  RunOptions::ForEachGroup(options, [&](const char*, auto& group) { f(group); });
-  f(options.capture);
+Tier TierOf(const std::string& name) {
+  const auto found = RunTiers().find(name);
+  return found == RunTiers().end() ? Tier::kFlag : found->second;
 }
 
 }  // namespace
 
+OptionTable TableOf(RunOptions* options) {
+  OptionTable table;
+  RunOptions::ForEachGroup(*options, [&](const char*, auto& group) { table.AddAll(&group); });
+  table.AddAll(&options->capture);
+  return table;
+}
+
 std::vector<std::string> RunOptionNames() {
-  std::vector<std::string> names;
-  const RunOptions options;
-  ForEachNamedGroup(options, [&](const auto& group) {
-    for (const NamedOption& option : ListOptions(group)) names.push_back(option.name);
-  });
-  return names;
+  RunOptions options;
+  return TableOf(&options).Names();
 }
 
 void SetRunOptions(const nlohmann::json& values, UnknownOption unknown, RunOptions* options) {
-  std::set<std::string> known;
-  ForEachNamedGroup(*options, [&](auto& group) {
-    std::remove_reference_t<decltype(group)>::Visit(group, [&](const char* name, auto& field, auto&&...) {
-      if (!values.contains(name)) return;
-      known.insert(name);
-      SetOption(name, TextOfJson(name, values.at(name)), &field);
-    });
-  });
-  if (unknown == UnknownOption::kIgnored) return;
+  OptionTable table = TableOf(options);
   for (const auto& [name, value] : values.items()) {
-    if (known.count(name) == 0) throw UsageError("there is no option --{}", name);
+    if (TableOption* option = table.Find(name)) {
+      option->Set(value);
+    } else if (unknown == UnknownOption::kError) {
+      throw UsageError("there is no option --{}{}", name, DidYouMean(name, table.Names()));
+    }
   }
+}
+
+std::string RunOptionShown(const std::string& name) { return OptionShown(TierOf(name), name); }
+
+std::vector<std::string> RunOptionWords(const std::string& name, const nlohmann::json& value) {
+  const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+  if (TierOf(name) == Tier::kSetting) return {"--set", name + "=" + text};
+  if (value.is_boolean()) return {(value.get<bool>() ? "--" : "--no-") + name};
+  return {"--" + name, text};
 }
 
 }  // namespace oraclegs

@@ -28,13 +28,13 @@ void CheckRunOptions(const RunOptions& options) {
   CheckScale(options.frame.scale);
   if (options.train.horizon > 0 && !options.train.iterations.is_auto() &&
       options.train.horizon < options.train.iterations.value()) {
-    throw UsageError("--horizon {} is below --iterations {}; rates and weights would end before training does",
+    throw UsageError("--set horizon={} is below --iterations {}; rates and weights would end before training does",
                      options.train.horizon, options.train.iterations.value());
   }
   const BaselineSettings baseline = options.method.Settings();
-  CheckBaseline("--method " + options.method.method, baseline, options.train);
+  CheckBaseline("--set method=" + options.method.method, baseline, options.train);
   if (options.depth.depth_prior == DepthPrior::kNone && baseline.UsesDepth()) {
-    throw UsageError("--method {} needs depth, and --depth-prior none finds none; leave one of them out",
+    throw UsageError("--set method={} needs depth, and --depth-prior none finds none; leave one of them out",
                      options.method.method);
   }
   const ProposerChoice proposers = options.propose.Choice();

@@ -82,7 +82,8 @@ struct InputOptions {
         "frame", self.frame,
         "What a scene with poses is trained in: normal = moved and scaled so that the result does not depend on the "
         "scene's units and origin, and written back in the scene's own; scene = the scene's own, as published programs "
-        "do, whose constants are of scenes of a few units");
+        "do, whose constants are of scenes of a few units",
+        Tier::kSetting);
   }
 };
 
@@ -128,7 +129,6 @@ struct StartOptions {
   Auto<StartKind> init;
   Auto<double> init_scale;
   double init_opacity = 0.5;
-  double init_flatness = 1;
   bool init_planes = true;
   uint64_t seed = 0;
 
@@ -138,7 +138,8 @@ struct StartOptions {
         "sfm-points", self.sfm_points,
         "Where sparse points come from: triangulate = by colmap from the training views alone, with their poses fixed; "
         "model = those of the scene's own model that two training views saw, though test views helped to place them; "
-        "auto = model where all photos train, else triangulate");
+        "auto = model where all photos train, else triangulate",
+        Tier::kSetting);
     visit("init", self.init,
           "Where the Gaussians start: dense = points of multi-view stereo, sfm = points triangulated from the training "
           "views, random = in the volume they look at, random-cube = as 3DGS-MCMC's authors draw them, in a cube of "
@@ -146,13 +147,10 @@ struct StartOptions {
           "random points where stereo finds little, or random alone below 100");
     visit("init-scale", self.init_scale,
           "Initial scale as a factor of the distance to the neighbors; auto = 1 for a dense start, 0.1 for others",
-          Range{1e-6, 10});
-    visit("init-opacity", self.init_opacity, "Initial opacity", Range{0.006, 0.99});
-    visit("init-flatness", self.init_flatness,
-          "Initial thickness along the surface's normal, as a fraction of the other two scales; 1 = round",
-          Range{0.01, 1});
+          Range{1e-6, 10}, Tier::kSetting);
+    visit("init-opacity", self.init_opacity, "Initial opacity", Range{0.006, 0.99}, Tier::kSetting);
     visit("init-planes", self.init_planes,
-          "Extend fitted planes into textureless regions (walls, lawns) where stereo finds nothing");
+          "Extend fitted planes into textureless regions (walls, lawns) where stereo finds nothing", Tier::kSetting);
     visit("seed", self.seed, "Seed of all random numbers; the same seed gives the same bits",
           Range{0, 9007199254740992.0});
   }
@@ -235,7 +233,7 @@ struct ReportOptions {
     visit("report", self.report, "End with report.html, which shows the splat, the scores and the proposals");
     visit("orbit-frames", self.orbit_frames,
           "Images of the film of four seconds that the report begins with, when ffmpeg is installed; 0 = none",
-          Range{0, 1000});
+          Range{0, 1000}, Tier::kSetting);
   }
 };
 
@@ -327,8 +325,8 @@ nlohmann::json ShapingOptionsToJson(const RunOptions& options);
 /// {"views": 12, ...} of all options.
 nlohmann::json RunOptionsToJson(const RunOptions& options);
 
-/// Throws UsageError for the first option out of its range, for --vggt-layers and --vggt-layer-weights that are no
-/// layers and weights, and where --proposers and --generator contradict each other.
+/// Throws UsageError for the first option out of its range, for --set vggt-layers and --set vggt-layer-weights that are
+/// no layers and weights, and where --proposers and --generator contradict each other.
 void CheckRunOptions(const RunOptions& options);
 
 }  // namespace oraclegs

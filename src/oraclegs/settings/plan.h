@@ -33,7 +33,7 @@ struct OracleChoice {
   std::string Key() const { return Word(kind) + (weights ? " " + weights->fingerprint : ""); }
 };
 
-/// Throws InputError as RequireVggtWeights does, UsageError for --vggt-layers that the network does not have.
+/// Throws InputError as RequireVggtWeights does, UsageError for --set vggt-layers that the network does not have.
 OracleChoice ChooseOracle(const RunOptions& options);
 
 /// Notes the choice for --oracle auto.

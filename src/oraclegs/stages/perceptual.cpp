@@ -25,7 +25,7 @@ SharedNetwork Load(const std::vector<fs::path>& files, Device device, int64_t ca
 
 bool UsesLpips(const TrainOptions& options) {
   const ProposalSchedule schedule = options.Proposals();
-  return options.proposal_lpips > 0 && options.proposal_weight > 0 && schedule.floor + schedule.peak > 0;
+  return options.proposal_lpips > 0 && schedule.floor + schedule.peak > 0;
 }
 
 }  // namespace

@@ -13,8 +13,8 @@
 
 namespace oraclegs {
 
-/// The loss of these proposals' --proposal-lpips on the device of the training, and what to call it; empty where there
-/// is no network or nothing asks for it, and, with a warning, where a proposal is too small for it.
+/// The loss of these proposals' --set proposal-lpips on the device of the training, and what to call it; empty where
+/// there is no network or nothing asks for it, and, with a warning, where a proposal is too small for it.
 struct TrainingLpips {
   PerceptualDistance distance;
   std::string convention;  ///< e.g. "VGG16, images in [0, 1]"

@@ -85,12 +85,8 @@ class StartBuilder {
   void Add(const PointCloud& more, const std::string& source) {
     if (more.xyz.empty()) return;
     PointCloud& cloud = start_.cloud;
-    // A point without a normal is as thick as it is wide.
-    cloud.normals.resize(cloud.xyz.size(), Eigen::Vector3f::Zero());
-    cloud.normals.insert(cloud.normals.end(), more.normals.begin(), more.normals.end());
     cloud.xyz.insert(cloud.xyz.end(), more.xyz.begin(), more.xyz.end());
     cloud.rgb.insert(cloud.rgb.end(), more.rgb.begin(), more.rgb.end());
-    cloud.normals.resize(cloud.xyz.size(), Eigen::Vector3f::Zero());
     start_.source += (start_.source.empty() ? "" : "+") + source;
   }
 
@@ -136,7 +132,6 @@ PointCloud ToPointCloud(const std::vector<DensePoint>& points) {
   for (const DensePoint& p : points) {
     cloud.xyz.push_back(p.xyz);
     cloud.rgb.push_back(p.rgb);
-    cloud.normals.push_back(p.normal);
   }
   return cloud;
 }
@@ -166,7 +161,7 @@ StartPoints ChooseStart(Run* run, const StartEvidence& known) {
 }
 
 InitializeOptions InitializeOptionsOf(const StartOptions& options, double usual_scale) {
-  return {options.init_scale.ValueOr(usual_scale), options.init_opacity, options.init_flatness};
+  return {options.init_scale.ValueOr(usual_scale), options.init_opacity};
 }
 
 }  // namespace oraclegs

@@ -16,12 +16,11 @@ inline constexpr size_t kMinPointsForStart = 1000;
 /// [Kheradmand 2024]).
 inline constexpr double kDenseScale = 1, kSparseScale = 0.1;
 
-/// With normals.
 PointCloud ToPointCloud(const std::vector<DensePoint>& points);
 
-/// A dense start of at most `budget` points: those of the geometry; unless --no-init-planes, what extrapolates their
-/// planes where stereo found nothing (depth/plane_fill.h); and what a network predicts in the rest (prior_points.h).
-/// `views` belong to `geometry.maps`. Nothing when stereo found nothing.
+/// A dense start of at most `budget` points: those of the geometry; unless --set init-planes=false, what extrapolates
+/// their planes where stereo found nothing (depth/plane_fill.h); and what a network predicts in the rest
+/// (prior_points.h). `views` belong to `geometry.maps`. Nothing when stereo found nothing.
 PointCloud DenseStart(const StartOptions& options, const std::vector<LoadedView>& views, const Geometry& geometry,
                       size_t budget);
 
@@ -43,7 +42,7 @@ struct StartEvidence {
 /// --max-gaussians points. Throws InputError when --init names points of which there are none.
 StartPoints ChooseStart(Run* run, const StartEvidence& known);
 
-/// --init-scale auto becomes `usual_scale`.
+/// --set init-scale=auto becomes `usual_scale`.
 InitializeOptions InitializeOptionsOf(const StartOptions& options, double usual_scale);
 
 }  // namespace oraclegs

@@ -97,7 +97,7 @@ TrainOptions SettleProxyDose(TrainOptions options, const std::vector<TrainView>&
   }
   options.schedule = ScheduleKind::kConstant;
   options.synthetic_floor = kProxyDose * squares / pixels;
-  listener(Note{fmt::format("{:.0f} % of the iterations take a proposal (--synthetic-floor)",
+  listener(Note{fmt::format("{:.0f} % of the iterations take a proposal (--set synthetic-floor)",
                             100 * options.synthetic_floor.value())});
   return options;
 }

@@ -16,7 +16,7 @@ namespace oraclegs {
 TrainOptions SettleTrainOptions(TrainOptions options, const TrainingViews& training, const Geometry& geometry,
                                 const Listener& listener);
 
-/// Where proxy models alone made the proposals and neither --schedule nor --synthetic-floor says how often one is
+/// Where proxy models alone made the proposals and neither --schedule nor --set synthetic-floor says how often one is
 /// taken: in a constant share of the iterations, half of the mean squared confidence (docs/method.md#schedules), which
 /// is reported. Other options, and those without proposals, stay as they are.
 TrainOptions SettleProxyDose(TrainOptions options, const std::vector<TrainView>& proposals, const Listener& listener);

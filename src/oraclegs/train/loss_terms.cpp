@@ -18,11 +18,11 @@ std::vector<TrainView> CleanPhotos(std::vector<TrainView> views) {
   return views;
 }
 
-/// The proposals with gated confidence and clean depth.
+/// The proposals with the confidence that weighs their pixels, and clean depth.
 std::vector<TrainView> CleanProposals(std::vector<TrainView> views, const TrainOptions& options) {
   CheckProposals(views);
   for (TrainView& view : views) {
-    view = WithCleanDepth(WithGatedConfidence(std::move(view), options.confidence_gate, options.confidence_power));
+    view = WithCleanDepth(WithConfidencePower(std::move(view), options.confidence_power));
   }
   return views;
 }
@@ -42,7 +42,7 @@ double SceneDepth(const std::vector<TrainView>& photos, const std::vector<TrainV
 void CheckShares(const TrainOptions& options) {
   const double shares = options.proposal_ssim + options.proposal_lpips;
   if (!(shares <= 1 + kRounding)) {
-    throw UsageError("--proposal-ssim {} and --proposal-lpips {} sum to {}, must leave L1 0 or more of 1",
+    throw UsageError("--set proposal-ssim={} and --set proposal-lpips={} sum to {}, must leave L1 0 or more of 1",
                      options.proposal_ssim, options.proposal_lpips, shares);
   }
 }
@@ -80,8 +80,7 @@ LossTerm LossPlan::PhotometricTerm(ViewKind kind, const TrainView& view) const {
     term.mask_meaning = MaskMeaning::kMask;
   } else {
     const double l1 = 1 - options_.proposal_ssim - (lpips_ ? options_.proposal_lpips : 0);
-    term.photometric = {static_cast<float>(options_.proposal_weight * l1),
-                        static_cast<float>(options_.proposal_weight * options_.proposal_ssim)};
+    term.photometric = {static_cast<float>(l1), static_cast<float>(options_.proposal_ssim)};
   }
   return term;
 }
@@ -99,12 +98,11 @@ LossTerms LossPlan::Terms(const SampledView& sampled, int64_t iteration) const {
   }
   if (is_proposal && lpips_) {
     const double confidence = mean_confidence_[static_cast<size_t>(sampled.index)];
-    const double weight = options_.proposal_weight * options_.proposal_lpips * confidence;
+    const double weight = options_.proposal_lpips * confidence;
     // The network takes most of the time: skipped at weight 0.
     if (weight != 0) terms.Add({TermKind::kPerceptual, weight, ViewPlane::kImage});
   }
-  const double depth_weight =
-      depth_scale_ * (is_proposal ? options_.proposal_weight : 1) * DepthWeight(iteration, options_.Horizon());
+  const double depth_weight = depth_scale_ * DepthWeight(iteration, options_.Horizon());
   if (depth_weight != 0 && view.inv_depth.defined()) {
     terms.Add({TermKind::kInvDepth, depth_weight, ViewPlane::kInvDepth, ViewPlane::kDepthMask});
   }

@@ -72,10 +72,10 @@ class LossTerms {
 /// The views of a run and the loss of each (docs/method.md#losses):
 /// - photo: (1 - s) mean|I^ - I| + s mean(1 - SSIM), s = ssim_weight, over the pixels of its mask, through its exposure
 ///   map when those are trained;
-/// - proposal: w ((1 - s - l) mean(|I^ - I| U) + s mean((1 - SSIM) U) + l mean(U) LPIPS(I^, I)), U the confidence, w =
-///   proposal_weight, s = proposal_ssim, l = proposal_lpips, which is added to L1's share without a network;
+/// - proposal: (1 - s - l) mean(|I^ - I| U) + s mean((1 - SSIM) U) + l mean(U) LPIPS(I^, I), U the confidence, s =
+///   proposal_ssim, l = proposal_lpips, which is added to L1's share without a network;
 /// - view with inv_depth also: depth_weight * 0.01^t * CharacteristicDepth * mean(|inv_depth - rendered| * depth_mask)
-///   (docs/method.md#depth-term), for proposals times w;
+///   (docs/method.md#depth-term);
 /// - view with alpha also: alpha_weight * mean(|alpha - rendered| * confidence).
 /// Iterations count from 1.
 class LossPlan {

@@ -68,10 +68,8 @@ struct TrainOptions {
   Auto<ScheduleKind> schedule = {};
   Auto<double> synthetic_floor = {};
   double synthetic_peak = ProposalSchedule().peak;
-  double proposal_weight = 1;
   double proposal_ssim = 0.3;
   double proposal_lpips = 0.3;
-  double confidence_gate = 0;
   double confidence_power = 1;
   Auto<int> refine_start = {};
   Auto<int> refine_every = {};
@@ -116,22 +114,24 @@ struct TrainOptions {
     visit("iterations", self.iterations, "Training steps, one photo each; auto = by --quality, pixels and device",
           Range{1, 1e7});
     visit("horizon", self.horizon,
-          "Iterations over which learning rates, depth weight, schedule and --refine-stop run their course, where "
+          "Iterations over which learning rates, depth weight, schedule and --set refine-stop run their course, where "
           "training stops before that; 0 = --iterations. The paper scores a run of 30000 after 15000 or 22000",
-          Range{0, 1e7});
+          Range{0, 1e7}, Tier::kSetting);
     visit("max-gaussians", self.max_gaussians,
           "Growth stops at this many Gaussians; auto = by --quality, pixels and number of photos", Range{1, 1e8});
-    visit("sh-degree", self.sh_degree, "Highest degree of the view-dependent color", Range{0, 3});
+    visit("sh-degree", self.sh_degree, "Highest degree of the view-dependent color", Range{0, 3}, Tier::kSetting);
     visit("sh-degree-interval", self.sh_degree_interval,
           "Iterations between raises of the active degree; auto = a fifth of them all, at most 3DGS's 1000",
-          Range{1, 1e7});
+          Range{1, 1e7}, Tier::kSetting);
     visit(
         "sh-moments", self.sh_moments,
         "What Adam remembers of the view-dependent color: full = two numbers for each coefficient; half = the same in "
         "16 bits, as good, with a quarter less memory for Gaussians in training; compact = one of the two for all "
-        "coefficients, with two fifths less memory, less sharp");
+        "coefficients, with two fifths less memory, less sharp",
+        Tier::kSetting);
     visit("antialiased", self.antialiased, "Train and render with opacity compensation for small Gaussians");
-    visit("ssim-weight", self.ssim_weight, "Weight of 1-SSIM in the photometric loss, the rest is L1", Range{0, 1});
+    visit("ssim-weight", self.ssim_weight, "Weight of 1-SSIM in the photometric loss, the rest is L1", Range{0, 1},
+          Tier::kSetting);
     visit(
         "schedule", self.schedule,
         "How often an iteration takes a proposal instead of a photo: paper = synthetic-floor + synthetic-peak * "
@@ -141,18 +141,18 @@ struct TrainOptions {
     visit("synthetic-floor", self.synthetic_floor,
           "Fraction of the iterations that take a proposal, at both ends of the run; auto = half of the mean squared "
           "confidence where --schedule auto is constant, else the paper's 0.1",
-          Range{0, 1});
+          Range{0, 1}, Tier::kSetting);
     visit("synthetic-peak", self.synthetic_peak,
-          "Factor of t (1-t)^3, which adds to the floor and is largest, 0.105, at a quarter of the run", Range{0, 100});
-    visit("proposal-weight", self.proposal_weight, "Weight of the loss on proposals, beside that on photos",
-          Range{0, 100});
+          "Factor of t (1-t)^3, which adds to the floor and is largest, 0.105, at a quarter of the run", Range{0, 100},
+          Tier::kSetting);
     visit("proposal-ssim", self.proposal_ssim,
-          "Weight of 1-SSIM in the loss on proposals; what SSIM and LPIPS leave is L1", Range{0, 1});
+          "Weight of 1-SSIM in the loss on proposals; what SSIM and LPIPS leave is L1", Range{0, 1}, Tier::kSetting);
     visit("proposal-lpips", self.proposal_lpips,
-          "Weight of LPIPS in the loss on proposals; L1 gets it where LPIPS's weights are missing", Range{0, 1});
-    visit("confidence-gate", self.confidence_gate, "Ignore pixels of proposals below this confidence", Range{0, 1});
+          "Weight of LPIPS in the loss on proposals; L1 gets it where LPIPS's weights are missing", Range{0, 1},
+          Tier::kSetting);
     visit("confidence-power", self.confidence_power,
-          "Exponent applied to the confidence that weighs the other pixels; 0 = all weigh the same", Range{0, 100});
+          "Exponent applied to the confidence that weighs a pixel of a proposal; 0 = all above 0 weigh the same",
+          Range{0, 100}, Tier::kSetting);
     visit("depth-weight", self.depth_weight,
           "Weight of the depth term where a photo has depth: mean |1/z - target| times the scene's typical "
           "distance, falling to a hundredth over the run (3DGS depth regularization, Kerbl et al. 2024); 0 = off",
@@ -160,10 +160,11 @@ struct TrainOptions {
     visit("depth-loss", self.depth_loss,
           "What the depth term compares: relative = as above, each pixel weighted by the confidence of its depth; "
           "paper = |1/z - target| in units of the run, all pixels of known depth alike (equation 5 of the OracleGS "
-          "paper)");
+          "paper)",
+          Tier::kSetting);
     visit("alpha-weight", self.alpha_weight,
           "Weight of the alpha (silhouette) loss where images have an alpha channel: mean |alpha - rendered|; 0 = off",
-          Range{0, 1e3});
+          Range{0, 1e3}, Tier::kSetting);
     visit("exposure", self.exposure,
           "Learn a color map (3x4) for each photo, for cameras that chose exposure and white balance anew each "
           "time (3DGS exposure compensation, Kerbl et al. 2024); the scene gets the mean exposure. auto = where the "
@@ -172,7 +173,7 @@ struct TrainOptions {
           "Dropout rate of the Gaussians at the end of training, growing linearly from 0 (the opacities of the others "
           "are raised to make up for it); reduces overfitting to few photos (DropGaussian, Park et al., CVPR 2025, "
           "uses 0.2); auto = 0.2 for an object before a plain background, else 0",
-          Range{0, 0.95});
+          Range{0, 0.95}, Tier::kSetting);
     visit(
         "opacity-noise", self.opacity_noise,
         "Standard deviation of the noise each opacity is multiplied by, 1 + s N(0,1), anew in every iteration; against "
@@ -185,26 +186,28 @@ struct TrainOptions {
     visit("largest-scale", self.largest_scale,
           "Maximum standard deviation of a Gaussian, as a fraction of its distance to the nearest camera; larger ones "
           "fog the views between the photos; 0 = unlimited",
-          Range{0, 1e3});
+          Range{0, 1e3}, Tier::kSetting);
     visit("rate-scale", self.rate_scale,
           "Factor of the learning rates of 3DGS, all but the exposure's, and of the noise on positions; they are made "
           "for 30000 iterations, and too low for fewer. auto = sqrt(30000 / iterations), from 1 to 6",
-          Range{1e-3, 100});
+          Range{1e-3, 100}, Tier::kSetting);
     visit("last-rates", self.last_rates,
           "Final factor of the learning rates of color, opacity, scale and rotation, which decay over the second half "
           "of the run; 1 = constant, as in 3DGS; auto = 0.1",
-          Range{1e-6, 1});
-    visit("opacity-reg", self.opacity_reg, "Weight of the mean opacity in the loss", Range{0, 1e3});
-    visit("scale-reg", self.scale_reg, "Weight of the mean scale (units of the run) in the loss", Range{0, 1e3});
+          Range{1e-6, 1}, Tier::kSetting);
+    visit("opacity-reg", self.opacity_reg, "Weight of the mean opacity in the loss", Range{0, 1e3}, Tier::kSetting);
+    visit("scale-reg", self.scale_reg, "Weight of the mean scale (units of the run) in the loss", Range{0, 1e3},
+          Tier::kSetting);
     visit("random-points", self.random_points, "Points drawn when there are fewer than 100 to start from",
-          Range{100, 1e8});
+          Range{100, 1e8}, Tier::kSetting);
     visit("refine-start", self.refine_start,
           "Relocation and growth begin after this iteration; auto = a tenth of them all, at most 3DGS's 500",
-          Range{0, 1e7});
+          Range{0, 1e7}, Tier::kSetting);
     visit("refine-every", self.refine_every,
-          "Iterations between relocations; auto = a fiftieth of them all, from 10 to 3DGS's 100", Range{1, 1e7});
+          "Iterations between relocations; auto = a fiftieth of them all, from 10 to 3DGS's 100", Range{1, 1e7},
+          Tier::kSetting);
     visit("refine-stop", self.refine_stop, "Fraction of the iterations after which relocation and growth end",
-          Range{0, 1});
+          Range{0, 1}, Tier::kSetting);
   }
 };
 

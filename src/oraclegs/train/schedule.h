@@ -1,6 +1,6 @@
 #pragma once
 // Quantities that change with the iteration (docs/method.md#learning-rates, #schedules). Iterations count from 1;
-// `iterations` is the horizon of the run (--horizon).
+// `iterations` is the horizon of the run (--set horizon).
 
 #include <cstdint>
 

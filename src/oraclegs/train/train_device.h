@@ -70,7 +70,7 @@ class TrainDevice {
   /// Runs everything between the gradient of the image and the moved Gaussians: backward, regularizers, Adam and,
   /// unless the iteration refines, noise. Closes the iteration's loss.
   virtual void BackwardAndStep(const Iteration& iteration, const RenderGrads& upstream, TrainedModel* model) = 0;
-  /// Caps the scales (scale_cap.h with --largest-scale), in iterations that do so, before Refine.
+  /// Caps the scales (scale_cap.h with --set largest-scale), in iterations that do so, before Refine.
   virtual void CapScales(TrainedModel* model) = 0;
   /// Runs the densifier where it acts in this iteration.
   virtual void Refine(const Iteration& iteration, TrainedModel* model) = 0;

@@ -91,13 +91,12 @@ void CheckProposals(const std::vector<TrainView>& proposals) {
   }
 }
 
-TrainView WithGatedConfidence(TrainView proposal, double gate, double power) {
-  if (!proposal.confidence.defined()) return proposal;  // 1 passes every gate, and stays 1
+TrainView WithConfidencePower(TrainView proposal, double power) {
+  if (!proposal.confidence.defined()) return proposal;  // 1 stays 1
   proposal.confidence = proposal.confidence.Clone();
   float* u = proposal.confidence.data();
   for (int64_t i = 0; i < proposal.confidence.count(); ++i) {
-    const bool counts = u[i] > 0 && u[i] >= static_cast<float>(gate);
-    u[i] = counts ? static_cast<float>(std::pow(static_cast<double>(u[i]), power)) : 0.f;
+    u[i] = u[i] > 0 ? static_cast<float>(std::pow(static_cast<double>(u[i]), power)) : 0.f;
   }
   return proposal;
 }

@@ -43,9 +43,8 @@ double MeanConfidence(const Buffer<float>& confidence);
 /// Cameras of the views, in their order.
 std::vector<Camera> Cameras(const std::vector<TrainView>& views);
 
-/// The proposal with confidence 0 below `gate` and confidence^power elsewhere; pixels of confidence 0 stay 0. The
-/// tensors of `proposal` are not written.
-TrainView WithGatedConfidence(TrainView proposal, double gate, double power);
+/// The proposal with confidence^power; pixels of confidence 0 stay 0. The tensors of `proposal` are not written.
+TrainView WithConfidencePower(TrainView proposal, double power);
 
 /// The view with depth only where its photo is unmasked (confidence > 0), and zero elsewhere, so that values under the
 /// mask, NaN included, have no effect. A depth that is masked everywhere is dropped. The tensors of `view` are not

@@ -137,8 +137,7 @@ void Trainer::State::ReportLimitations(const Listener& listener) const {
     listener(Warning{"all training cameras stand in one place: the Gaussians keep the positions they start from"});
   }
   const ProposalSchedule schedule = options.Proposals();
-  const bool uses_proposals =
-      plan.num_proposals() > 0 && schedule.floor + schedule.peak > 0 && options.proposal_weight > 0;
+  const bool uses_proposals = plan.num_proposals() > 0 && schedule.floor + schedule.peak > 0;
   if (uses_proposals && options.proposal_lpips > 0 && !plan.has_lpips()) {
     listener(Note{fmt::format(
         "without LPIPS: its weight in the loss on proposals goes to L1, which has {:.2f} (`oraclegs models fetch "
@@ -174,7 +173,7 @@ void Trainer::Restore(const Checkpoint& checkpoint) {
                      checkpoint.adam.v.size());
   }
   if (checkpoint.adam.sh_moments() != s.options.sh_moments) {
-    throw InputError("the checkpoint's moments of spherical harmonics are not those of --sh-moments");
+    throw InputError("the checkpoint's moments of spherical harmonics are not those of --set sh-moments");
   }
   s.sampler.Restore(checkpoint.sampler);
   s.device->RestoreExposures(checkpoint.exposures);

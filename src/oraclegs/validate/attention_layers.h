@@ -1,5 +1,5 @@
 #pragma once
-// --vggt-layers and --vggt-layer-weights: the layers of VGGT's map (docs/method.md#vggt-oracle).
+// --set vggt-layers and --set vggt-layer-weights: the layers of VGGT's map (docs/method.md#vggt-oracle).
 
 #include <cstdint>
 #include <string>

@@ -37,7 +37,7 @@ size_t ChooseChunk(const std::function<int64_t(int64_t)>& bytes, const Auto<int>
   const double free = GiB(static_cast<double>(available));
   if (asked.ValueOr(0) > 0) {
     if (!fits(asked.value())) {
-      listener(Warning{fmt::format("--oracle-chunk {}: a pass needs about {:.1f} GiB, {:.1f} GiB are free",
+      listener(Warning{fmt::format("--set oracle-chunk={}: a pass needs about {:.1f} GiB, {:.1f} GiB are free",
                                    asked.value(), GiB(static_cast<double>(bytes(asked.value()))), free)});
     }
     return static_cast<size_t>(asked.value());
@@ -54,10 +54,11 @@ size_t ChooseChunk(const std::function<int64_t(int64_t)>& bytes, const Auto<int>
         GiB(static_cast<double>(bytes(1))), free);
   }
   if (chunk < most) {
-    listener(Warning{fmt::format(
-        "VGGT looks at {} proposals at a time, not {}, for {:.1f} GiB of memory are free; --oracle-chunk {} gives the "
-        "same confidence again",
-        chunk, most, free, chunk)});
+    listener(
+        Warning{fmt::format("VGGT looks at {} proposals at a time, not {}, for {:.1f} GiB of memory are free; --set "
+                            "oracle-chunk={} gives the "
+                            "same confidence again",
+                            chunk, most, free, chunk)});
   }
   return static_cast<size_t>(chunk);
 }

@@ -38,7 +38,7 @@ struct OracleSetup {
 
 class CalibratedOracle {
  public:
-  /// Learns from held-out views (but "uniform", and "vggt" without --calibrate). `views`, the training views, and
+  /// Learns from held-out views (but "uniform", and "vggt" without --set calibrate). `views`, the training views, and
   /// `proposers` must outlive it. Throws InputError for weights that do not fit, RunError when VGGT needs more memory
   /// than there is.
   CalibratedOracle(const OracleSetup& setup, const std::vector<LoadedView>& views, const Proposers& proposers,

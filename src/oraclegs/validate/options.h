@@ -47,25 +47,31 @@ struct ValidateOptions {
     visit("oracle-mode", self.oracle_mode,
           "Which attention of VGGT is used as confidence: reference = of the photo beside the proposals; others = of "
           "all other views of the pass; official = of the photo's camera token, over the whole pass together, as in "
-          "the paper's code");
+          "the paper's code",
+          Tier::kSetting);
     visit("oracle-chunk", self.oracle_chunk,
           "Proposals that VGGT processes together, beside one photo; auto = 8, or as many as fit into memory; 0 = all, "
           "or as many as fit",
-          Range{0, 512});
+          Range{0, 512}, Tier::kSetting);
     visit("vggt-precision", self.vggt_precision,
           "Number type of VGGT as oracle: float32; bfloat16; autocast = as its authors run it: weights and sums in "
-          "float32, products in bfloat16; auto = bfloat16 on a GPU, else float32");
+          "float32, products in bfloat16; auto = bfloat16 on a GPU, else float32",
+          Tier::kSetting);
     visit("vggt-layers", self.vggt_layers,
           "Layers of VGGT's global attention that make the confidence, from 0, comma-separated; without, 0,22 with the "
-          "weights 1,3, or what the file of weights names");
+          "weights 1,3, or what the file of weights names",
+          Tier::kSetting);
     visit("vggt-layer-weights", self.vggt_layer_weights,
-          "Weights of --vggt-layers, comma-separated; scaled to sum to 1; without, all the same");
+          "Weights of --set vggt-layers, comma-separated; scaled to sum to 1; without, all the same", Tier::kSetting);
     visit("calibrate", self.calibrate,
-          "Calibrate the confidence on held-out training photos; --no-calibrate takes VGGT's attention as it is, as in "
-          "the paper, and the uncalibrated score of the other oracles");
+          "Calibrate the confidence on held-out training photos; --set calibrate=false takes VGGT's attention as it "
+          "is, as in "
+          "the paper, and the uncalibrated score of the other oracles",
+          Tier::kSetting);
     visit("pick", self.pick,
           "How several candidates for a view are fused: blend = mean weighted by confidence; pixel = the most "
-          "confident candidate at each pixel; view = the candidate of highest mean confidence");
+          "confident candidate at each pixel; view = the candidate of highest mean confidence",
+          Tier::kSetting);
   }
 };
 

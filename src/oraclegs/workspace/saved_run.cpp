@@ -4,6 +4,7 @@
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/unique_json.h"
+#include "oraclegs/settings/named_options.h"
 
 namespace oraclegs {
 namespace {
@@ -72,7 +73,8 @@ std::string DescribeDifference(const nlohmann::json& saved, const RunOptions& no
     const nlohmann::json& before = saved.contains(name) ? saved.at(name) : defaults.at(name);
     if (before == value) continue;
     if (before == "auto" && size.is_object() && size.contains(name) && size.at(name) == value) continue;
-    text += fmt::format("{}--{} was {}, now is {}", text.empty() ? "" : "; ", name, Shown(before), Shown(value));
+    text += fmt::format("{}{} was {}, now is {}", text.empty() ? "" : "; ", RunOptionShown(name), Shown(before),
+                        Shown(value));
   }
   return text;
 }

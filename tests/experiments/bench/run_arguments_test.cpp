@@ -21,7 +21,7 @@ TEST(RunArguments, OverlayReplacesInPlaceAndAppends) {
 
 TEST(RunArguments, WordsOfFlagsHaveNoValue) {
   EXPECT_THAT(ArgumentWords({{"views", "12"}, {"eval", ""}, {"init-planes", "false"}, {"report", "true"}}),
-              ElementsAre("--views", "12", "--eval", "--no-init-planes", "--report"));
+              ElementsAre("--views", "12", "--eval", "--set", "init-planes=false", "--report"));
 }
 
 TEST(RunArguments, OptionsHaveTheValues) {

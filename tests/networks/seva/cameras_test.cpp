@@ -29,7 +29,7 @@ TEST_P(SevaCameraNorm, MatchesTheOfficialOne) {
   const double quantile = file.Values<double>(name + ".quantile97").at(0);
   EXPECT_NEAR(middle.quantile, quantile, 1e-4 * quantile);
   EXPECT_EQ(middle.valid, GoldenMask(file, name + ".valid"));
-  const std::vector<View> views = NormalizedViews(chunk, all, 2.0);
+  const std::vector<View> views = NormalizedViews(chunk, all);
   ExpectRatio(PosesOf(views), GoldenTensor(file, name + ".out_c2w"), 1e-4, "poses");
   const Tensor expected = GoldenTensor(file, name + ".out_plucker");
   ExpectRatio(PlueckerMaps(views, expected.size(2), expected.size(3)), expected, 1e-4, "rays");
@@ -54,7 +54,7 @@ TEST(SevaCameras, TheFirstCameraHasNoMoments) {
 
 TEST(SevaCameras, RefusesEmptyLists) {
   EXPECT_THROW(FindSceneMiddle({}), ShapeError);
-  EXPECT_THROW(NormalizedViews({}, {View{}}, 2), ShapeError);
+  EXPECT_THROW(NormalizedViews({}, {View{}}), ShapeError);
   EXPECT_THROW(PlueckerMaps({}, 4, 4), ShapeError);
 }
 

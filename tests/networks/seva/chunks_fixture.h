@@ -46,8 +46,6 @@ inline ChunkProblem GoldenChunkProblem(const SafetensorsFile& file) {
   problem.targets = GoldenViews(file, "chunk.test_c2w");
   for (size_t i = 0; i < problem.sources.size(); ++i) problem.inputs.push_back(static_cast<int64_t>(i));
   problem.frames = file.Values<int64_t>("chunk.T").at(0);
-  problem.source_orders = file.Values<double>("chunk.input_ords");
-  problem.target_orders = file.Values<double>("chunk.test_ords");
   return problem;
 }
 

@@ -25,14 +25,11 @@ struct GoldenOracle {
 
 TEST(SevaNearestChunks, ThePapersPassesMatchTheOfficialOnes) {
   const GoldenOracle golden;
-  ExpectGoldenChunks(PlanChunks(golden.Problem(golden.inputs, golden.anchors), Chunking::kGtNearest), golden.file,
-                     "oracle_pass1");
-  ExpectGoldenChunks(PlanChunks(golden.Problem(golden.inputs, golden.targets), Chunking::kNearestGt), golden.file,
-                     "oracle_onepass");
+  ExpectGoldenChunks(FirstPassChunks(golden.Problem(golden.inputs, golden.anchors)), golden.file, "oracle_pass1");
+  ExpectGoldenChunks(SecondPassChunks(golden.Problem(golden.inputs, golden.targets)), golden.file, "oracle_onepass");
   std::vector<View> sources = golden.inputs;
   sources.insert(sources.end(), golden.anchors.begin(), golden.anchors.end());
-  ExpectGoldenChunks(PlanChunks(golden.Problem(sources, golden.targets), Chunking::kNearestGt), golden.file,
-                     "oracle_pass2");
+  ExpectGoldenChunks(SecondPassChunks(golden.Problem(sources, golden.targets)), golden.file, "oracle_pass2");
 }
 
 TEST(SevaNearestChunks, ThePapersOrbitAndItsPlanMatchTheOfficialOnes) {
@@ -55,7 +52,7 @@ TEST(SevaNearestChunks, ThePapersOrbitAndItsPlanMatchTheOfficialOnes) {
 
 TEST(SevaNearestChunks, ASourceWhoseTargetsAreCutLeadsTheNextChunkAgain) {
   const ChunkProblem problem{Row(2), Row(7, 0.9), {}, 5};
-  const std::vector<Chunk> chunks = PlanChunks(problem, Chunking::kNearest);
+  const std::vector<Chunk> chunks = SecondPassChunks(problem);
   EXPECT_EQ(Codes(chunks), (std::vector<int64_t>{1001, 0, 1, 2, 3, 1001, 4, 5, 6, -1}));
 }
 

@@ -5,12 +5,11 @@
 namespace oraclegs::seva {
 namespace {
 
-TEST(SevaChunks, EveryStrategyOfImagesMatchesTheOfficialOne) {
+TEST(SevaChunks, OfBothPassesMatchTheOfficialOnes) {
   const SafetensorsFile file = SamplingFixture();
   const ChunkProblem problem = GoldenChunkProblem(file);
-  for (const std::string name : {"gt", "gt-nearest", "gt-ltr", "nearest", "nearest-gt"}) {
-    ExpectGoldenChunks(PlanChunks(problem, *FromWord<Chunking>(name)), file, name);
-  }
+  ExpectGoldenChunks(FirstPassChunks(problem), file, "gt-nearest");
+  ExpectGoldenChunks(SecondPassChunks(problem), file, "nearest-gt");
 }
 
 TEST(SevaChunks, NearestViewsAreTheOfficialOnes) {
@@ -26,15 +25,15 @@ TEST(SevaChunks, NearestViewsAreTheOfficialOnes) {
 
 TEST(SevaChunks, EveryTargetIsMadeOnce) {
   ChunkProblem problem{Row(3), Row(29, -4.25), {0, 1, 2}, 9};
-  for (const std::string name : {"gt", "gt-nearest", "gt-ltr", "nearest", "nearest-gt"}) {
+  for (const auto& chunks : {FirstPassChunks(problem), SecondPassChunks(problem)}) {
     std::vector<int> made(problem.targets.size());
-    for (const Chunk& chunk : PlanChunks(problem, *FromWord<Chunking>(name))) {
+    for (const Chunk& chunk : chunks) {
       EXPECT_EQ(chunk.size(), 9u);
       for (const Slot& slot : chunk) {
         if (slot.kind == SlotKind::kTarget) ++made[static_cast<size_t>(slot.index)];
       }
     }
-    EXPECT_EQ(made, std::vector<int>(made.size(), 1)) << name;
+    EXPECT_EQ(made, std::vector<int>(made.size(), 1));
   }
 }
 
@@ -44,28 +43,22 @@ TEST(SevaChunks, MostFrequentKeepsTheFirstOfEquals) {
 }
 
 TEST(SevaChunks, SayWhichOptionDoesNotFit) {
-  const auto message = [](int inputs, int64_t frames, Chunking chunking) -> std::string {
+  const auto message = [](int inputs, int64_t frames, auto* plan) -> std::string {
     ChunkProblem problem{Row(inputs), Row(40), {}, frames};
     for (int64_t i = 0; i < inputs; ++i) problem.inputs.push_back(i);
     try {
-      PlanChunks(problem, chunking);
+      plan(problem);
     } catch (const UsageError& error) {
       return error.what();
     }
     return "planned";
   };
-  EXPECT_EQ(message(21, 21, Chunking::kGt),
+  EXPECT_EQ(message(21, 21, FirstPassChunks),
             "21 photos leave no room in chunks of 21 frames; --seva-frames must be at least 23");
-  EXPECT_EQ(message(20, 21, Chunking::kNearestGt),
+  EXPECT_EQ(message(20, 21, SecondPassChunks),
             "20 photos leave no room in chunks of 21 frames; --seva-frames must be at least 22");
-  EXPECT_EQ(message(3, 4, Chunking::kGtLtr),
+  EXPECT_EQ(message(3, 4, FirstPassChunks),
             "chunks of 4 frames have no room for photos, made frames and new ones; raise --seva-frames");
-}
-
-TEST(SevaChunks, FirstPassesHaveTheSameWords) {
-  for (const EnumWord<FirstChunking>& entry : EnumWords<FirstChunking>::kWords) {
-    EXPECT_EQ(Word(ToChunking(entry.value)), entry.word);
-  }
 }
 
 }  // namespace

@@ -62,8 +62,8 @@ TEST(SevaMemory, SaysWhatLowersTheNeed) {
   };
   EXPECT_THAT(message(Request(80, torch::kFloat, Halves::kBatched), Halves::kBatched),
               testing::AllOf(testing::HasSubstr("for 80 frames of 576 x 576"), testing::HasSubstr("1.0 GB are there"),
-                             testing::HasSubstr("less is needed with --seva-halves in-turn ("),
-                             testing::HasSubstr("--seva-precision bfloat16 ("),
+                             testing::HasSubstr("less is needed with --set seva-halves=in-turn ("),
+                             testing::HasSubstr("--set seva-precision=bfloat16 ("),
                              testing::HasSubstr("--seva-frames 21 ("), testing::HasSubstr("--seva-short-side 384 (")));
   MemoryRequest small = Request(5, torch::kBFloat16, Halves::kBatched);
   small.size = {64, 64};

@@ -21,7 +21,6 @@ TEST(SevaModel, GeneratesWithTheNetworksOfItsFiles) {
   options.frames = 4;
   options.short_side = 64;
   options.steps = 2;
-  options.passes = 1;
   const auto images = Generator(model.networks(), options, Silent()).Generate(request);
   ASSERT_EQ(images.size(), 1u);
   const std::vector<float>& data = images[0][0].data;
@@ -77,7 +76,6 @@ TEST(LoadViewGenerator, GeneratesWhatTheGeneratorDoes) {
   request.options.frames = 4;
   request.options.short_side = 64;
   request.options.steps = 1;
-  request.options.passes = 1;
   Camera camera;
   camera.width = camera.height = 64;
   camera.fx = camera.fy = camera.cx = camera.cy = 32;

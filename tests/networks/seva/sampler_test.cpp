@@ -35,12 +35,9 @@ Tensor AnalyticNetwork(const Tensor& x, int64_t index, const Tensor& concat, con
          0.1 * context.mean({1, 2}).view({-1, 1, 1, 1});
 }
 
-class SevaFullSampling : public testing::TestWithParam<std::pair<const char*, Guider>> {};
-
-TEST_P(SevaFullSampling, MatchesTheOfficialOne) {
+TEST(SevaFullSampling, MatchesTheOfficialOne) {
   const SafetensorsFile file = SamplingFixture();
-  const std::string name = std::string("full.") + GetParam().first;
-  const std::vector<double> cfg = file.Values<double>("full.cfg");
+  const std::string name = "full.multiview";
   const std::vector<bool> given = GoldenMask(file, "full.input_frame_mask");
   const Tensor rays = GoldenFloat(file, "full.plucker"), context = GoldenFloat(file, "full.crossattn");
   const Tensor mask = AsTensor(given).to(torch::kFloat).view({-1, 1, 1, 1}).expand_as(rays.slice(1, 0, 1));
@@ -54,11 +51,11 @@ TEST_P(SevaFullSampling, MatchesTheOfficialOne) {
   denoiser.schedule = &schedule;
   denoiser.given = GoldenFloat(file, "full.replace");
   denoiser.weights =
-      GuidanceWeights(GoldenViews(file, "full.c2w", "full.K"), given, {GetParam().second, cfg.at(0), cfg.at(1)});
+      GuidanceWeights(GoldenViews(file, "full.c2w", "full.K"), given, file.Values<double>("full.cfg").at(0));
   denoiser.network = [&](const Tensor& scaled, int64_t index) {
     indices.push_back(index);
     const Tensor out = AnalyticNetwork(scaled, index, concat, contexts);
-    if (++calls == probe && GetParam().second == Guider::kMultiView) {
+    if (++calls == probe) {
       EXPECT_EQ(index, file.Values<int64_t>("full.probe_idx").at(0));
       ExpectRatio(scaled, GoldenTensor(file, "full.probe_net_in"), 1e-4, "what the network is given");
       ExpectRatio(out, GoldenTensor(file, "full.probe_net_out"), 1e-4, "what it answers");
@@ -80,10 +77,6 @@ TEST_P(SevaFullSampling, MatchesTheOfficialOne) {
               "result");
   EXPECT_EQ(indices, file.Values<int64_t>("full.c_noise_per_step"));
 }
-
-INSTANTIATE_TEST_SUITE_P(Guiders, SevaFullSampling,
-                         testing::Values(std::pair{"multiview", Guider::kMultiView},
-                                         std::pair{"temporal", Guider::kTemporal}));
 
 TEST(SevaSampler, NeedsTwoSigmas) { EXPECT_THROW(SampleEuler(torch::zeros({1, 4, 2, 2}), {{1.f}}), ShapeError); }
 

@@ -147,7 +147,7 @@ TEST_F(AttentionTest, LayersThatTheNetworkLacksAreRefused) {
           OpenAttention(path, {AttentionMode::kReference, {{layer, 1}}}, torch::kCPU);
         },
         ThrowsMessage<InputError>(
-            testing::AllOf(HasSubstr("tiny.safetensors"), HasSubstr("only 0 to 3"), HasSubstr("--vggt-layers"))));
+            testing::AllOf(HasSubstr("tiny.safetensors"), HasSubstr("only 0 to 3"), HasSubstr("--set vggt-layers"))));
   }
   EXPECT_THROW(OpenAttention(path, {AttentionMode::kReference, {{0, -1}}}, torch::kCPU), ShapeError);
   EXPECT_THROW(OpenAttention(path, {AttentionMode::kReference, {{0, 0}}}, torch::kCPU), ShapeError);

@@ -14,7 +14,7 @@ void (*g_release_memory)() = nullptr;
   if (cudaMemGetInfo(&free, &total) != cudaSuccess) cudaGetLastError();
   throw OutOfMemory(
       "out of {} memory: {:.2f} GB for {}, with {:.2f} of {:.2f} GB free on the GPU; lower --max-gaussians or "
-      "--random-points, or raise --downscale",
+      "--set random-points, or raise --downscale",
       where, Gigabytes(bytes), purpose, Gigabytes(static_cast<int64_t>(free)), Gigabytes(static_cast<int64_t>(total)));
 }
 

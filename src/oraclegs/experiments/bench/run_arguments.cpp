@@ -58,8 +58,8 @@ std::vector<std::string> ArgumentWords(const RunArguments& arguments) {
   std::vector<std::string> words;
   for (const auto& [name, value] : arguments) {
     const bool is_flag = Flags().count(name) > 0;
-    words.push_back((is_flag && value == "false" ? "--no-" : "--") + name);
-    if (!is_flag) words.push_back(value);
+    const json typed = is_flag ? json(value != "false") : json(value);
+    for (std::string& word : RunOptionWords(name, typed)) words.push_back(std::move(word));
   }
   return words;
 }
@@ -97,8 +97,8 @@ std::string DifferenceOf(const json& before, const json& now) {
   std::string text;
   for (const std::string& name : names) {
     if (before.contains(name) == now.contains(name) && before.at(name) == now.at(name)) continue;
-    text +=
-        fmt::format("{}--{} was {}, now is {}", text.empty() ? "" : "; ", name, shown(before, name), shown(now, name));
+    text += fmt::format("{}{} was {}, now is {}", text.empty() ? "" : "; ", RunOptionShown(name), shown(before, name),
+                        shown(now, name));
   }
   return text;
 }

@@ -20,7 +20,7 @@ const std::string* FindArgument(RunArguments&& arguments, const std::string& nam
 /// `below`, with the values of `above` replacing its own.
 RunArguments Overlaid(RunArguments below, const RunArguments& above);
 
-/// Command line words: {"--views", "12", "--no-report"}.
+/// Command line words: {"--views", "12", "--no-report", "--set", "ssim-weight=0.3"}.
 std::vector<std::string> ArgumentWords(const RunArguments& arguments);
 
 /// Options of a run; options that are not in the list have their defaults. Throws UsageError for an option that does

@@ -58,13 +58,13 @@ SceneMiddle FindSceneMiddle(const std::vector<Eigen::Vector3d>& centers) {
   return middle;
 }
 
-std::vector<View> NormalizedViews(const std::vector<View>& chunk, const std::vector<View>& all, double camera_scale) {
+std::vector<View> NormalizedViews(const std::vector<View>& chunk, const std::vector<View>& all) {
   if (chunk.empty()) throw ShapeError("NormalizedViews: there are no frames");
   std::vector<Eigen::Vector3d> centers;
   for (const View& view : all) centers.push_back(view.center());
   const Eigen::Vector3d middle = FindSceneMiddle(centers).mean;
   const double first = (chunk.front().center() - middle).norm();
-  const double scale = first <= kInTheMiddle ? camera_scale : camera_scale / first;
+  const double scale = first <= kInTheMiddle ? kCameraScale : kCameraScale / first;
   std::vector<View> views = chunk;
   for (View& view : views) view.world_from_camera.translation() = scale * (view.center() - middle);
   return views;

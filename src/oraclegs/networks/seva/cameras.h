@@ -32,10 +32,13 @@ struct SceneMiddle {
 /// Needs at least one center (ShapeError).
 SceneMiddle FindSceneMiddle(const std::vector<Eigen::Vector3d>& centers);
 
+/// Distance of a chunk's first camera from the scene's middle that SEVA was trained with.
+inline constexpr double kCameraScale = 2;
+
 /// Moves `chunk` so that the middle of `all` (the input images and targets of the scene) is the origin, and scales it
-/// so that its first frame is `camera_scale` away; where that frame is at the origin, the scale is `camera_scale`.
+/// so that its first frame is kCameraScale away; where that frame is at the origin, the scale is kCameraScale.
 /// Rotations stay. Throws ShapeError when either is empty.
-std::vector<View> NormalizedViews(const std::vector<View>& chunk, const std::vector<View>& all, double camera_scale);
+std::vector<View> NormalizedViews(const std::vector<View>& chunk, const std::vector<View>& all);
 
 /// Rays of every pixel in the frame of the first view, as Pluecker coordinates: [T, 6, height, width] float32,
 /// channels 0-2 the unit direction, 3-5 origin x direction.

@@ -82,18 +82,7 @@ std::vector<int64_t> MostFrequent(const std::vector<int64_t>& values, size_t cou
   return distinct;
 }
 
-std::vector<Chunk> InputChunks(const ChunkProblem& problem) {
-  const int64_t slots = FreeSlots(problem), count = static_cast<int64_t>(problem.targets.size());
-  std::vector<Chunk> chunks;
-  for (int64_t begin = 0; begin < count; begin += slots) {
-    Chunk chunk = OfInputs(problem);
-    for (int64_t t = begin; t < std::min(begin + slots, count); ++t) chunk.push_back({SlotKind::kTarget, t});
-    chunks.push_back(std::move(chunk));
-  }
-  return chunks;
-}
-
-std::vector<Chunk> PseudoChunks(const ChunkProblem& problem, EarlierFrames earlier) {
+std::vector<Chunk> FirstPassChunks(const ChunkProblem& problem) {
   const int64_t slots = FreeSlots(problem), count = static_cast<int64_t>(problem.targets.size());
   const auto sources = static_cast<int64_t>(problem.sources.size());
   const double share = kPseudoShare * static_cast<double>(slots);
@@ -110,60 +99,16 @@ std::vector<Chunk> PseudoChunks(const ChunkProblem& problem, EarlierFrames earli
             "--seva-frames",
             problem.frames);
       }
-      std::vector<int64_t> frames;
-      if (earlier == EarlierFrames::kNearest) {
-        frames = SuggestedFrames(problem, made, wanted);
-      } else {
-        for (int64_t t = made - wanted; t < made; ++t) frames.push_back(t);
+      for (const int64_t frame : SuggestedFrames(problem, made, wanted)) {
+        chunk.push_back({SlotKind::kGiven, sources + frame});
       }
-      for (const int64_t frame : frames) chunk.push_back({SlotKind::kGiven, sources + frame});
     }
     while (made < count && static_cast<int64_t>(chunk.size()) < problem.frames) {
       chunk.push_back({SlotKind::kTarget, made++});
     }
+    chunk.resize(static_cast<size_t>(problem.frames));
     chunks.push_back(std::move(chunk));
   }
-  return chunks;
-}
-
-Chunking ToChunking(FirstChunking chunking) {
-  switch (chunking) {
-    case FirstChunking::kGt:
-      return Chunking::kGt;
-    case FirstChunking::kGtLtr:
-      return Chunking::kGtLtr;
-    case FirstChunking::kNearest:
-      return Chunking::kNearest;
-    case FirstChunking::kNearestGt:
-      return Chunking::kNearestGt;
-    case FirstChunking::kGtNearest:
-      break;
-  }
-  return Chunking::kGtNearest;
-}
-
-std::vector<Chunk> PlanChunks(const ChunkProblem& problem, Chunking chunking) {
-  const auto plan = [&]() -> std::vector<Chunk> {
-    switch (chunking) {
-      case Chunking::kGt:
-        return InputChunks(problem);
-      case Chunking::kGtNearest:
-        return PseudoChunks(problem, EarlierFrames::kNearest);
-      case Chunking::kGtLtr:
-        return PseudoChunks(problem, EarlierFrames::kLast);
-      case Chunking::kNearest:
-        return NearestChunks(problem, NearestBase::kNone);
-      case Chunking::kInterp:
-        return IntervalChunks(problem, NearestBase::kNone);
-      case Chunking::kInterpGt:
-        return IntervalChunks(problem, NearestBase::kInputs);
-      case Chunking::kNearestGt:
-        break;
-    }
-    return NearestChunks(problem, NearestBase::kInputs);
-  };
-  std::vector<Chunk> chunks = plan();
-  for (Chunk& chunk : chunks) chunk.resize(static_cast<size_t>(problem.frames));
   return chunks;
 }
 

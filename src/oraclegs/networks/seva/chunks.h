@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "oraclegs/networks/seva/cameras.h"
-#include "oraclegs/networks/seva_options.h"
 
 namespace oraclegs::seva {
 
@@ -22,26 +21,20 @@ struct Slot {
 /// Slots of the frames that go through the network together; empty ones are at the end.
 using Chunk = std::vector<Slot>;
 
-/// Sources that bound intervals of interp. kWithoutInputs: input images do not, since their order on the time line is
-/// arbitrary.
-enum class TimeLine { kAllSources, kWithoutInputs };
-
 struct ChunkProblem {
   std::vector<View> sources, targets;
-  std::vector<int64_t> inputs;                                 ///< the sources that are real, ascending
-  int64_t frames = 21;                                         ///< frames of a chunk
-  std::vector<double> source_orders = {}, target_orders = {};  ///< places on the time line, ascending; for interp
-  TimeLine time_line = TimeLine::kAllSources;
+  std::vector<int64_t> inputs;  ///< the sources that are real, ascending
+  int64_t frames = 21;          ///< frames of a chunk
 };
 
-/// Plans chunks such that every target is in exactly one:
-///   gt                   all input images, then targets in order
-///   gt-nearest, gt-ltr   from the second chunk on also earlier targets: near ones, or the last ones
-///   nearest, nearest-gt  targets with their nearest source; -gt: all input images lead every chunk
-///   interp, interp-gt    targets between the sources that bound them on the time line
-/// Throws UsageError that names --seva-frames when a chunk has too few frames for the strategy.
-std::vector<Chunk> PlanChunks(const ChunkProblem& problem, Chunking chunking);
-Chunking ToChunking(FirstChunking chunking);
+/// Plans chunks of the first pass such that every target is in exactly one ("gt-nearest"): all input images, then
+/// targets in order; from the second chunk on also earlier targets that are near. Throws UsageError that names
+/// --seva-frames when a chunk has too few frames.
+std::vector<Chunk> FirstPassChunks(const ChunkProblem& problem);
+
+/// Plans chunks of the second pass such that every target is in exactly one ("nearest-gt"): all input images, then
+/// targets with their nearest source. Throws UsageError that names --seva-frames when a chunk has too few frames.
+std::vector<Chunk> SecondPassChunks(const ChunkProblem& problem);
 
 /// Fills empty slots with copies of the last given view when the last filled slot holds one, else of the last target.
 Chunk Padded(const Chunk& chunk);
@@ -52,13 +45,5 @@ int64_t NearestByRotation(const View& view, const std::vector<View>& sources);
 
 /// The `count` most frequent values, ascending; among equally frequent ones those seen first.
 std::vector<int64_t> MostFrequent(const std::vector<int64_t>& values, size_t count);
-
-/// Families of strategies.
-enum class NearestBase { kNone, kInputs };
-std::vector<Chunk> InputChunks(const ChunkProblem& problem);
-enum class EarlierFrames { kNearest, kLast };
-std::vector<Chunk> PseudoChunks(const ChunkProblem& problem, EarlierFrames earlier);
-std::vector<Chunk> NearestChunks(const ChunkProblem& problem, NearestBase base);
-std::vector<Chunk> IntervalChunks(const ChunkProblem& problem, NearestBase base);
 
 }  // namespace oraclegs::seva

@@ -1,4 +1,4 @@
-// Strategies nearest and nearest-gt: targets with the sources nearest to them.
+// The second pass: targets with the sources nearest to them.
 
 #include <algorithm>
 #include <map>
@@ -37,6 +37,7 @@ class Filler {
 
  private:
   void Close() {
+    chunk_.resize(frames_);
     chunks_.push_back(chunk_);
     chunk_ = base_;
   }
@@ -48,11 +49,9 @@ class Filler {
 
 }  // namespace
 
-std::vector<Chunk> NearestChunks(const ChunkProblem& problem, NearestBase base) {
+std::vector<Chunk> SecondPassChunks(const ChunkProblem& problem) {
   Chunk lead;
-  if (base == NearestBase::kInputs) {
-    for (const int64_t p : problem.inputs) lead.push_back({SlotKind::kGiven, p});
-  }
+  for (const int64_t p : problem.inputs) lead.push_back({SlotKind::kGiven, p});
   const auto leading = static_cast<int64_t>(lead.size());
   if (leading + 1 >= problem.frames) {
     throw UsageError("{} photos leave no room in chunks of {} frames; --seva-frames must be at least {}", leading,

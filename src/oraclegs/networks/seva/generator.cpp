@@ -31,11 +31,11 @@ View ViewOf(const Camera& camera, const ImageFit& fit) {
 
 Size SizeOf(const Camera& camera) { return {camera.width, camera.height}; }
 
-/// Key of a stored chunk: the request's key and the options that change its images. The number of candidates and the
-/// memory options do not.
+/// Key of a stored chunk: the request's key and the options that change its images. The number of candidates and
+/// --set seva-halves do not.
 std::string KeyOf(const ViewRequest& request, const SevaOptions& options) {
   nlohmann::json json = OptionsToJson(options);
-  for (const char* name : {"candidates", "seva-halves", "seva-memory"}) json.erase(name);
+  for (const char* name : {"candidates", "seva-halves"}) json.erase(name);
   return request.key + " " + json.dump();
 }
 
@@ -87,7 +87,6 @@ class Generation {
   using FrameKey = std::pair<FrameSource, int64_t>;
 
   int64_t BytesToUse() const {
-    if (!options_.memory.is_auto()) return static_cast<int64_t>(options_.memory.value() * kBytesInGigabyte);
     if (networks_.free_bytes > 0) return networks_.free_bytes;
     const uint64_t free = AvailableMemory();
     return free > 0 ? static_cast<int64_t>(free) : std::numeric_limits<int64_t>::max();
@@ -198,13 +197,13 @@ class Generation {
       views.push_back(ViewAt(frame));
       given.push_back(frame.given);
     }
-    views = NormalizedViews(views, all_views_, options_.camera_scale);
+    views = NormalizedViews(views, all_views_);
     const NetworkInputs inputs = InputsOf(job, views);
     Place(Part::kUnet);
     Denoiser denoiser;
     denoiser.schedule = &schedule_;
     denoiser.given = inputs.given;
-    denoiser.weights = GuidanceWeights(views, given, {options_.guider, options_.cfg, options_.cfg_min}).to(device_);
+    denoiser.weights = GuidanceWeights(views, given, options_.cfg).to(device_);
     denoiser.network = MakeNetwork(*networks_.unet, inputs, halves_);
     const std::vector<int64_t> shape = {static_cast<int64_t>(views.size()), kLatentChannels, inputs.rays.size(2),
                                         inputs.rays.size(3)};

@@ -80,13 +80,13 @@ std::string Suggestions(const UnetConfig& config, const MemoryRequest& request) 
   if (request.halves == Halves::kBatched) {
     MemoryRequest other = request;
     other.halves = Halves::kInTurn;
-    suggest("--seva-halves in-turn", other);
+    suggest("--set seva-halves=in-turn", other);
   }
   if (request.type == torch::kFloat) {
     MemoryRequest other = request;
     other.type = torch::kBFloat16;
     other.other_weights /= 2;
-    suggest("--seva-precision bfloat16", other);
+    suggest("--set seva-precision=bfloat16", other);
   }
   if (request.frames > kSuggestedFrames) {
     MemoryRequest other = request;

@@ -31,8 +31,8 @@ struct MemoryRequest {
 /// Upper estimate; attention is chunked or fused, wide layers go in slices.
 Memory EstimateMemory(const UnetConfig& config, const MemoryRequest& request);
 
-/// kBatched where that fits into `available` bytes or --seva-halves asks for it, else kInTurn. Throws RunError with the
-/// need, the available memory, and what each option that lowers the need would take.
+/// kBatched where that fits into `available` bytes or --set seva-halves asks for it, else kInTurn. Throws RunError with
+/// the need, the available memory, and what each option that lowers the need would take.
 Halves ChooseHalves(const UnetConfig& config, MemoryRequest request, const SevaOptions& options, int64_t available);
 
 /// Memory of the autoencoder in bytes; upper estimates.

@@ -1,5 +1,5 @@
 #pragma once
-// Joint problems of a generation: one pass or two, the frames of each, and which of them are given
+// Joint problems of a generation: the two passes, the frames of each, and which of them are given
 // (docs/method.md#seva-plan).
 
 #include <cstdint>
@@ -10,17 +10,12 @@
 
 namespace oraclegs::seva {
 
-/// Number of frames that the first pass generates, and frames of a chunk in each pass.
+/// Number of frames that the first pass generates, and frames of a chunk in it.
 struct PassSizes {
-  int64_t anchors = 0, first_frames = 21, second_frames = 21;
+  int64_t anchors = 0, first_frames = 21;
 };
-struct PassRequest {
-  int64_t inputs = 0, targets = 0;
-  int64_t first_frames = 21, second_frames = 21;  ///< as asked for
-  double anchor_ratio = 1;
-};
-/// `chunking` is the strategy of the second pass. Throws UsageError when interp-gt has no room for targets.
-PassSizes SizePasses(const PassRequest& request, Chunking chunking);
+/// `frames`: those of a chunk, as asked for.
+PassSizes SizePasses(int64_t inputs, int64_t frames);
 
 enum class FrameSource { kInput, kAnchor, kTarget };
 
@@ -44,9 +39,8 @@ struct Plan {
   int64_t largest() const;  ///< frames of the largest job
 };
 
-/// Needs at least one input image (ShapeError). interp treats the targets as a path in their order and takes its
-/// anchors from it; the other strategies have theirs on an orbit. Throws UsageError that names the options that do not
-/// fit.
+/// Needs at least one input image (ShapeError). The anchors lie on an orbit. Throws UsageError that names the options
+/// that do not fit.
 Plan MakePlan(const std::vector<View>& inputs, const std::vector<View>& targets, const SevaOptions& options);
 
 }  // namespace oraclegs::seva

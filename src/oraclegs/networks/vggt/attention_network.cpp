@@ -63,8 +63,8 @@ class AttentionOfFile : public AttentionNetwork {
     double sum = 0;
     for (const LayerWeight& l : layers) {
       if (l.layer < 0 || l.layer >= depth) {
-        throw InputError("{}: has no attention layer {}, only 0 to {}; name others with --vggt-layers", path_.string(),
-                         l.layer, depth - 1);
+        throw InputError("{}: has no attention layer {}, only 0 to {}; name others with --set vggt-layers",
+                         path_.string(), l.layer, depth - 1);
       }
       if (!(l.weight >= 0)) throw ShapeError("OpenAttention: layer {} has weight {}", l.layer, l.weight);
       sum += l.weight;

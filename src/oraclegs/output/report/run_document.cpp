@@ -20,6 +20,7 @@
 #include "oraclegs/output/report/report_views.h"
 #include "oraclegs/render/recolor.h"
 #include "oraclegs/scene/scene.h"
+#include "oraclegs/settings/named_options.h"
 #include "oraclegs/stages/metrics.h"
 #include "oraclegs/workspace/non_commercial.h"
 
@@ -227,11 +228,7 @@ std::string CommandOf(const Run& run) {
                                     ShellQuoted(fs::absolute(run.workspace.root()).lexically_normal().string()));
   for (const auto& [name, value] : now.items()) {
     if (value == usual.value(name, json())) continue;
-    if (value.is_boolean()) {
-      command += fmt::format(" --{}{}", value.get<bool>() ? "" : "no-", name);
-    } else {
-      command += fmt::format(" --{} {}", name, ShellQuoted(ValueText(value)));
-    }
+    for (const std::string& word : RunOptionWords(name, value)) command += " " + ShellQuoted(word);
   }
   return command;
 }

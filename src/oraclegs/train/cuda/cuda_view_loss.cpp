@@ -91,7 +91,7 @@ void CudaViewLoss::Queue(const LossTerm& term, const Rendered& rendered, RenderG
         sums->constant +=
             term.weight * plan_.lpips()(rendered.out.image, rendered.view.lpips_target, term.weight, &grads->image);
       } catch (const OutOfMemory& error) {
-        throw OutOfMemory("LPIPS of a proposal: {}; give --proposal-lpips 0 or raise --downscale", error.what());
+        throw OutOfMemory("LPIPS of a proposal: {}; give --set proposal-lpips=0 or raise --downscale", error.what());
       }
       break;
     case TermKind::kInvDepth:
