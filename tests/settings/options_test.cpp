@@ -52,8 +52,9 @@ TEST(RunOptions, RefuseAMethodThatNeedsDepthWithoutDepth) {
     options.depth.depth_prior = {};
     CheckRunOptions(options);
     options.depth.depth_prior = DepthPrior::kNone;
-    EXPECT_EQ(MessageOf<UsageError>([&] { CheckRunOptions(options); }),
-              fmt::format("--set method={} needs depth, and --depth-prior none finds none; leave one of them out", method));
+    EXPECT_EQ(
+        MessageOf<UsageError>([&] { CheckRunOptions(options); }),
+        fmt::format("--set method={} needs depth, and --depth-prior none finds none; leave one of them out", method));
   }
   options.method.method = "3dgs";
   CheckRunOptions(options);

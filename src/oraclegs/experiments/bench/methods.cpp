@@ -29,7 +29,6 @@ RunOptions Published(const Method& method, const std::string& suite) {
   run.start.init = StartKind::kDense;
   run.start.init_scale = baseline.own.adaptive ? 1 : 0.1;
   run.start.init_opacity = baseline.own.adaptive ? 0.1 : 0.5;
-  run.start.init_flatness = 1;
   run.start.init_planes = false;
   return run;
 }

@@ -10,7 +10,7 @@ namespace {
 /// Tables with our split and size, and baselines that its authors ran or quote.
 const char* const kMip = "[Topaloglu 2026], table 1";
 const char* const kBlender = "[Topaloglu 2026], table 2";
-/// What those lack, of the same protocols.
+/// Other papers of the same protocols, for what those lack.
 const char* const kMipOfFsgs = "[Zhu 2024], table 2, a quarter of the size";
 const char* const kBlenderOfFsgs = "[Zhu 2024], table 3";
 const char* const kBlenderOfCorGs = "[Zhang 2024], table 4";  // from dense points, as here

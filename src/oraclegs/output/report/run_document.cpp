@@ -228,7 +228,7 @@ std::string CommandOf(const Run& run) {
                                     ShellQuoted(fs::absolute(run.workspace.root()).lexically_normal().string()));
   for (const auto& [name, value] : now.items()) {
     if (value == usual.value(name, json())) continue;
-    for (const std::string& word : RunOptionWords(name, value)) command += " " + ShellQuoted(word);
+    for (const std::string& word : RunOptionWords(name, value)) command.append(" ").append(ShellQuoted(word));
   }
   return command;
 }
