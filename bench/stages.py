@@ -62,7 +62,7 @@ def make_workspaces(data, out, quick):
     variants = {f"{scene}{n}": (scene, ["--iterations", n]) for scene in sorted(scenes)
                 for n in ([7000] if quick else [1000, 7000])}
     if "fox" in scenes:  # a model that was trained with 100 000 Gaussians, neither grown nor thinned
-        variants["foxdense"] = ("fox", ["--iterations", 7000, "--init", "random", "--random-points", 100000])
+        variants["foxdense"] = ("fox", ["--iterations", 7000, "--init", "random", "--set", "random-points=100000"])
     workspaces = {}
     for name, (scene, training) in variants.items():
         source, options = scenes[scene]

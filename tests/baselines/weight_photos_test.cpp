@@ -30,8 +30,8 @@ TEST(WeightByCovisibility, CountsMoreWhatOnePhotoAloneShows) {
   for (int64_t row = 0; row < kRows; ++row) {
     for (int64_t column = 0; column < kColumns; ++column) {
       const int64_t i = row * kColumns + column;
-      EXPECT_FLOAT_EQ(weighted[0].confidence[i], column < 5 ? 1.6f : 0.8f);
-      EXPECT_FLOAT_EQ(weighted[1].confidence[i], column < 15 ? 0.8f : 1.6f);
+      EXPECT_FLOAT_EQ(weighted[0].pixel_weight[i], column < 5 ? 1.6f : 0.8f);
+      EXPECT_FLOAT_EQ(weighted[1].pixel_weight[i], column < 15 ? 0.8f : 1.6f);
     }
   }
 }
@@ -39,30 +39,30 @@ TEST(WeightByCovisibility, CountsMoreWhatOnePhotoAloneShows) {
 TEST(WeightByCovisibility, HasMeanOneOverAllPhotosTogether) {
   // Two see the same, one sees what no other does: it counts more as a whole.
   const std::vector<TrainView> weighted = WeightByCovisibility({PhotoOfWall(0), PhotoOfWall(0), PhotoOfWall(50)});
-  EXPECT_NEAR(MeanConfidence(weighted[0].confidence), 0.75, 1e-6);
-  EXPECT_NEAR(MeanConfidence(weighted[1].confidence), 0.75, 1e-6);
-  EXPECT_NEAR(MeanConfidence(weighted[2].confidence), 1.5, 1e-6);
+  EXPECT_NEAR(MeanConfidence(weighted[0].pixel_weight), 0.75, 1e-6);
+  EXPECT_NEAR(MeanConfidence(weighted[1].pixel_weight), 0.75, 1e-6);
+  EXPECT_NEAR(MeanConfidence(weighted[2].pixel_weight), 1.5, 1e-6);
 }
 
 TEST(WeightByCovisibility, KeepsMasksAndWhatIsKnownToBeEmpty) {
   std::vector<TrainView> photos = {PhotoOfWall(0), PhotoOfWall(1)};
-  photos[0].confidence = Buffer<float>::Full({kRows, kColumns}, 1.f);
+  photos[0].pixel_weight = Buffer<float>::Full({kRows, kColumns}, 1.f);
   const int64_t masked = 12, empty = 13, unknown = 14;
-  photos[0].confidence[masked] = 0;
+  photos[0].pixel_weight[masked] = 0;
   photos[0].inv_depth[empty] = 0;
   photos[0].depth_mask[unknown] = 0.5f;
   const std::vector<TrainView> weighted = WeightByCovisibility(photos);
-  const Buffer<float>& w = weighted[0].confidence;
+  const Buffer<float>& w = weighted[0].pixel_weight;
   EXPECT_EQ(w[masked], 0);
   EXPECT_EQ(w[empty], 1);
   EXPECT_EQ(w[unknown], w[0]) << "as what one photo alone shows";
   EXPECT_FLOAT_EQ(w[0], 2 * w[15]);
-  EXPECT_EQ(photos[0].confidence[0], 1) << "what was given is not written";
-  EXPECT_FALSE(photos[1].confidence.defined());
+  EXPECT_EQ(photos[0].pixel_weight[0], 1) << "what was given is not written";
+  EXPECT_FALSE(photos[1].pixel_weight.defined());
 }
 
 TEST(WeightByCovisibility, WeighsBothPartsOfTheLoss) {
-  const Buffer<float> weights = WeightByCovisibility({PhotoOfWall(0), PhotoOfWall(1)})[0].confidence;
+  const Buffer<float> weights = WeightByCovisibility({PhotoOfWall(0), PhotoOfWall(1)})[0].pixel_weight;
   const Buffer<float> target = Buffer<float>::Full({kRows, kColumns, 3}, 0.5f);
   const auto loss = [&](int64_t column, const Buffer<float>& mask) {
     Buffer<float> render = target.Clone();

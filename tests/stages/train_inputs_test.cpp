@@ -162,8 +162,8 @@ TEST(ChosenOptions, AreThoseThatWereAutomatic) {
 TEST(TrainInputs, TakeProposalsOfProxyModelsAsOftenAsTheyAreTrusted) {
   EventRecorder recorder;
   std::vector<TrainView> proposals(2);
-  proposals[0].confidence = Buffer<float>::Full({4, 6}, 1.f);
-  proposals[1].confidence = Buffer<float>::Full({4, 6}, 0.5f);
+  proposals[0].pixel_weight = Buffer<float>::Full({4, 6}, 1.f);
+  proposals[1].pixel_weight = Buffer<float>::Full({4, 6}, 0.5f);
   const TrainOptions settled = SettleProxyDose({}, proposals, recorder.AsListener());
   EXPECT_EQ(settled.schedule, ScheduleKind::kConstant);
   EXPECT_NEAR(settled.synthetic_floor.value(), 0.5 * (1 + 0.25) / 2, 1e-12);

@@ -34,8 +34,8 @@ TEST_F(ValidateStageTest, GivesTrainingViewsWithConfidenceAndFilesToLookAt) {
   ASSERT_EQ(result.views.size(), 8u);
   for (const TrainView& view : result.views) {
     EXPECT_EQ(view.image.shape(), Shape({60, 80, 3}));
-    EXPECT_EQ(view.confidence.shape(), Shape({60, 80}));
-    const auto confidence = Flat(view.confidence);
+    EXPECT_EQ(view.pixel_weight.shape(), Shape({60, 80}));
+    const auto confidence = Flat(view.pixel_weight);
     EXPECT_GE(confidence.minCoeff(), 0.f);
     EXPECT_LE(confidence.maxCoeff(), 1.f);
     EXPECT_GT(std::sqrt((confidence - confidence.mean()).square().mean()), 0.01f);  // it orders pixels
@@ -52,14 +52,14 @@ TEST_F(ValidateStageTest, ReadsBackWhatItWrote) {
   for (size_t v = 0; v < first.views.size(); ++v) {
     EXPECT_EQ(again.views[v].name, first.views[v].name);
     EXPECT_TRUE(Equal(again.views[v].image, first.views[v].image));
-    EXPECT_TRUE(Equal(again.views[v].confidence, first.views[v].confidence));
+    EXPECT_TRUE(Equal(again.views[v].pixel_weight, first.views[v].pixel_weight));
   }
 }
 
 TEST_F(ValidateStageTest, TrustsAllWithTheUniformOracle) {
   auto request = Request("uniform");
   request.options.validate.oracle = OracleKind::kUniform;
-  for (const TrainView& view : Validate(request, Silent()).views) EXPECT_EQ(Flat(view.confidence).minCoeff(), 1.f);
+  for (const TrainView& view : Validate(request, Silent()).views) EXPECT_EQ(Flat(view.pixel_weight).minCoeff(), 1.f);
 }
 
 TEST_F(ValidateStageTest, LeavesOutWhatIsTrustedNowhere) {
@@ -80,7 +80,7 @@ TEST_F(ValidateStageTest, LeavesOutWhatIsTrustedNowhere) {
   }
   const Result result = Validate(request, recorder.AsListener());
   ASSERT_EQ(result.views.size(), 1u);
-  EXPECT_EQ(Flat(result.views[0].confidence).minCoeff(), 1.f);
+  EXPECT_EQ(Flat(result.views[0].pixel_weight).minCoeff(), 1.f);
   EXPECT_THAT(recorder.warnings, Contains(HasSubstr("1 of 2 proposals have no confidence anywhere and are left out")));
 
   recorder.warnings.clear(), recorder.notes.clear();
@@ -103,7 +103,7 @@ TEST_F(ValidateStageTest, IsMadeAgainWhereAnImageIsDamaged) {
   ASSERT_EQ(again.views.size(), result.views.size());
   for (size_t v = 0; v < again.views.size(); ++v) {
     EXPECT_TRUE(Equal(again.views[v].image, result.views[v].image));
-    EXPECT_TRUE(Equal(again.views[v].confidence, result.views[v].confidence));
+    EXPECT_TRUE(Equal(again.views[v].pixel_weight, result.views[v].pixel_weight));
   }
   fs::remove(file);
   EXPECT_EQ(Validate(Request("damaged"), Silent()).views.size(), result.views.size());
@@ -122,14 +122,14 @@ TEST_F(ValidateStageTest, UsesWeightsOfVggtWhereTheyAre) {
   const Result with = Validate(request, recorder.AsListener());
   EXPECT_THAT(recorder.notes, Contains(HasSubstr("VGGT-1B with the images")));
   ASSERT_EQ(with.views.size(), without.views.size());
-  EXPECT_FALSE(Equal(with.views[0].confidence, without.views[0].confidence));
+  EXPECT_FALSE(Equal(with.views[0].pixel_weight, without.views[0].pixel_weight));
   EXPECT_THAT(NonCommercialParts(WorkspacePaths(with.root)), testing::ElementsAre("VGGT-1B"));
   const nlohmann::json record = ReadStageRecords(with.root).at("validate");
   EXPECT_EQ(record.at("oracle"), "vggt+consistency");
   EXPECT_EQ(record.at("chunk"), 8);
   const Result again = Validate(request, Silent());
   for (size_t v = 0; v < with.views.size(); ++v) {
-    EXPECT_TRUE(Equal(again.views[v].confidence, with.views[v].confidence));
+    EXPECT_TRUE(Equal(again.views[v].pixel_weight, with.views[v].pixel_weight));
   }
   fs::remove_all(*temp / "models");
 }
@@ -169,7 +169,7 @@ TEST_F(ValidateStageTest, GivesTheSameFromKeptCandidatesAndFromOnesMadeAgain) {
   ASSERT_EQ(from_kept.size(), made_again.size());
   for (size_t v = 0; v < made_again.size(); ++v) {
     EXPECT_TRUE(Equal(from_kept[v].image, made_again[v].image));
-    EXPECT_TRUE(Equal(from_kept[v].confidence, made_again[v].confidence));
+    EXPECT_TRUE(Equal(from_kept[v].pixel_weight, made_again[v].pixel_weight));
   }
 }
 

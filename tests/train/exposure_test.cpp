@@ -186,8 +186,8 @@ TEST(TrainerExposureTest, MaskedPixelsContributeNothing) {
   const auto run = [&](float hidden) {
     auto views = Exposed({1.2f, 0.8f, 1.f});
     for (TrainView& view : views) {
-      view.confidence = Buffer<float>::Full({kHeight, kWidth}, 1.f);
-      Table(view.confidence).rightCols(kWidth - 20).setZero();
+      view.pixel_weight = Buffer<float>::Full({kHeight, kWidth}, 1.f);
+      Table(view.pixel_weight).rightCols(kWidth - 20).setZero();
       Table(view.image).rightCols(3 * (kWidth - 20)).setConstant(hidden);
     }
     TrainOptions options = WithExposure(60);
@@ -199,7 +199,7 @@ TEST(TrainerExposureTest, MaskedPixelsContributeNothing) {
   EXPECT_EQ(run(0.1f), run(0.9f));
   // All hidden: only the gauge and the pull are left, which do nothing at the identity.
   auto views = Exposed({1.2f, 0.8f});
-  for (TrainView& view : views) view.confidence = Buffer<float>::Zeros({kHeight, kWidth});
+  for (TrainView& view : views) view.pixel_weight = Buffer<float>::Zeros({kHeight, kWidth});
   Trainer blind(WithExposure(30), kSeed, {0, 0, 0}, views, Start());
   blind.Run({}, Silent());
   EXPECT_EQ(blind.exposures()[0], blind.exposures()[1]);

@@ -39,7 +39,7 @@ TEST(LossPlan, GivesPhotosTheirTerms) {
   EXPECT_THAT(Kinds(terms),
               testing::ElementsAre(TermKind::kPhotometric, TermKind::kExposure, TermKind::kInvDepth, TermKind::kAlpha));
   EXPECT_EQ(terms.begin()[0].target, ViewPlane::kImage);
-  EXPECT_EQ(terms.begin()[0].mask, ViewPlane::kConfidence);
+  EXPECT_EQ(terms.begin()[0].mask, ViewPlane::kPixelWeight);
   EXPECT_EQ(terms.begin()[0].mask_meaning, MaskMeaning::kMask);
   EXPECT_EQ(terms.begin()[0].photometric.dssim, 0.2f);
   EXPECT_EQ(terms.begin()[2].mask, ViewPlane::kDepthMask);
@@ -58,7 +58,7 @@ TEST(LossPlan, GivesProposalsTheirTerms) {
                                                  TermKind::kAlpha));
   EXPECT_EQ(terms.begin()[0].mask_meaning, MaskMeaning::kConfidence);
   EXPECT_EQ(terms.begin()[0].photometric.l1, 0.4f);
-  EXPECT_DOUBLE_EQ(terms.begin()[1].weight, 0.3 * MeanConfidence(proposal.confidence));
+  EXPECT_DOUBLE_EQ(terms.begin()[1].weight, 0.3 * MeanConfidence(proposal.pixel_weight));
   EXPECT_FALSE(terms.exposure.has_value());
 }
 
@@ -75,7 +75,7 @@ TEST(LossPlan, LeavesOutTermsOfNoWeight) {
   TrainOptions options = Options();
   options.depth_weight = options.alpha_weight = 0;
   TrainView unsure = Complete("proposal", 3);
-  unsure.confidence.SetZero();
+  unsure.pixel_weight.SetZero();
   const LossPlan plan(options, {{Complete("photo", 2)}, {unsure}, NoDistance});
   for (const SampledView& view : {kPhoto, kProposal}) {
     EXPECT_THAT(Kinds(plan.Terms(view, 30)), testing::ElementsAre(TermKind::kPhotometric));
@@ -110,7 +110,7 @@ TEST(LossTerms, RefusesMoreThanItHolds) {
 TEST(LossPlan, RefusesViewsThatDoNotFit) {
   EXPECT_THROW(LossPlan(Options(), {{}, {Complete("proposal", 3)}}), UsageError);
   TrainView proposal = Complete("proposal", 3);
-  Flat(proposal.confidence) *= 2;
+  Flat(proposal.pixel_weight) *= 2;
   EXPECT_THROW(LossPlan(Options(), {Photos(1), {proposal}}), ShapeError);
 }
 

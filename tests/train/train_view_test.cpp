@@ -15,15 +15,15 @@ using testing::HasSubstr;
 TEST(ToTrainViewTest, CopiesPixelsAndMask) {
   LoadedView photo{"a", CameraOnCircle(0), {kWidth, kHeight, 3, std::vector<float>(kWidth * kHeight * 3, 0.25f)}, {}};
   photo.rgb.data[3 * (kWidth + 2) + 1] = 0.75f;  // row 1, column 2, green
-  EXPECT_FALSE(ToTrainView(photo).confidence.defined());
+  EXPECT_FALSE(ToTrainView(photo).pixel_weight.defined());
   photo.mask.assign(kWidth * kHeight, 1);
   photo.mask[5] = 0;
   const TrainView view = ToTrainView(photo);
   EXPECT_EQ(view.name, "a");
   EXPECT_EQ(view.image[(kWidth + 2) * 3 + 1], 0.75f);
   EXPECT_EQ(Wide(view.image).sum(), 0.25f * kWidth * kHeight * 3 + 0.5f);
-  EXPECT_EQ(view.confidence[5], 0);
-  EXPECT_EQ(Wide(view.confidence).sum(), kWidth * kHeight - 1);
+  EXPECT_EQ(view.pixel_weight[5], 0);
+  EXPECT_EQ(Wide(view.pixel_weight).sum(), kWidth * kHeight - 1);
   EXPECT_FALSE(view.alpha.defined());
   photo.mask.pop_back();
   EXPECT_THROW(ToTrainView(photo), ShapeError);
@@ -34,7 +34,7 @@ TEST(ToTrainViewTest, WeighsSoftEdges) {
   photo.mask.assign(kWidth * kHeight, 1);
   photo.weights.assign(kWidth * kHeight, 1);
   photo.weights[5] = 0.75f;
-  EXPECT_EQ(ToTrainView(photo).confidence[5], 0.75f);
+  EXPECT_EQ(ToTrainView(photo).pixel_weight[5], 0.75f);
   photo.weights.pop_back();
   EXPECT_THROW(ToTrainView(photo), ShapeError);
 }
@@ -104,10 +104,10 @@ TEST(CheckProposalsTest, ConfidenceIsAShare) {
   EXPECT_NO_THROW(CheckProposals({}));
   TrainView view = WithDepth(0.5f);
   EXPECT_NO_THROW(CheckProposals({view}));
-  view.confidence = RandomUniform({kHeight, kWidth}, 112);
+  view.pixel_weight = RandomUniform({kHeight, kWidth}, 112);
   EXPECT_NO_THROW(CheckProposals({view}));
   for (const float wrong : {1.5f, -0.5f, std::nanf("")}) {
-    view.confidence[3 * kWidth + 7] = wrong;
+    view.pixel_weight[3 * kWidth + 7] = wrong;
     try {
       CheckProposals({view});
       ADD_FAILURE() << "a confidence of " << wrong << " was accepted";
@@ -115,26 +115,26 @@ TEST(CheckProposalsTest, ConfidenceIsAShare) {
       EXPECT_THAT(e.what(), HasSubstr("confidence of a is " + fmt::format("{}", wrong) + " at column 7, row 3"));
     }
   }
-  view.confidence = Buffer<float>::Full({kHeight, kWidth - 1}, 1.f);
+  view.pixel_weight = Buffer<float>::Full({kHeight, kWidth - 1}, 1.f);
   EXPECT_THROW(CheckProposals({view}), ShapeError);
 }
 
 TEST(WithConfidencePowerTest, KeepsWhatHasNoConfidenceAtZero) {
   TrainView view = WithDepth(0.5f);
-  EXPECT_FALSE(WithConfidencePower(view, 2).confidence.defined());
-  view.confidence = Buffer<float>::Zeros({kHeight, kWidth});
-  view.confidence[1] = 0.25f;
-  view.confidence[2] = 0.5f;
-  view.confidence[3] = 1.f;
-  const Buffer<float> before = view.confidence.Clone();
+  EXPECT_FALSE(WithConfidencePower(view, 2).pixel_weight.defined());
+  view.pixel_weight = Buffer<float>::Zeros({kHeight, kWidth});
+  view.pixel_weight[1] = 0.25f;
+  view.pixel_weight[2] = 0.5f;
+  view.pixel_weight[3] = 1.f;
+  const Buffer<float> before = view.pixel_weight.Clone();
   const auto row = [&](double power) {
-    const Buffer<float> u = WithConfidencePower(view, power).confidence;
+    const Buffer<float> u = WithConfidencePower(view, power).pixel_weight;
     return std::vector<float>(u.data(), u.data() + 4);
   };
-  EXPECT_TRUE(Equal(WithConfidencePower(view, 1).confidence, before));
+  EXPECT_TRUE(Equal(WithConfidencePower(view, 1).pixel_weight, before));
   EXPECT_EQ(row(2), (std::vector<float>{0, 0.0625f, 0.25f, 1}));
   EXPECT_EQ(row(0), (std::vector<float>{0, 1, 1, 1}));  // what has no confidence never counts
-  EXPECT_TRUE(Equal(view.confidence, before));          // not written
+  EXPECT_TRUE(Equal(view.pixel_weight, before));        // not written
 }
 
 TEST(WithCleanDepthTest, DepthCountsOnlyWhereThePhotoDoes) {
@@ -142,15 +142,15 @@ TEST(WithCleanDepthTest, DepthCountsOnlyWhereThePhotoDoes) {
   view.inv_depth[3 * kWidth + 7] = std::nanf("");
   view.depth_mask[3 * kWidth + 7] = 0;
   view.depth_mask[4 * kWidth + 8] = 0.25f;
-  view.confidence = Buffer<float>::Full({kHeight, kWidth}, 1.f);
-  view.confidence.Rows(5, 6).SetZero();
+  view.pixel_weight = Buffer<float>::Full({kHeight, kWidth}, 1.f);
+  view.pixel_weight.Rows(5, 6).SetZero();
   const TrainView clean = WithCleanDepth(view);
   EXPECT_EQ(clean.inv_depth[3 * kWidth + 7], 0);
   EXPECT_EQ(clean.depth_mask[4 * kWidth + 8], 0.25f);
   EXPECT_EQ(MaxAbs(clean.depth_mask.Rows(5, 6)), 0);
   EXPECT_EQ(Wide(clean.depth_mask).sum(), kHeight * kWidth - kWidth - 1.75f);
   EXPECT_EQ(Flat(view.depth_mask.Rows(5, 6)).minCoeff(), 1);  // not written
-  view.confidence.SetZero();
+  view.pixel_weight.SetZero();
   EXPECT_FALSE(WithCleanDepth(view).inv_depth.defined());
   EXPECT_FALSE(WithCleanDepth(view).depth_mask.defined());
 }

@@ -22,8 +22,8 @@ std::vector<TrainView> SmallPhotos() {
     view.image = rasterizer->Forward(RandomGaussians(50, 7), view.camera, {}, RenderPass::kInference).image.Clone();
     views.push_back(view);
   }
-  views[3].confidence = Buffer<float>::Full({51, 70}, 1.f);
-  Table(views[3].confidence).middleCols(30, 20).setZero();
+  views[3].pixel_weight = Buffer<float>::Full({51, 70}, 1.f);
+  Table(views[3].pixel_weight).middleCols(30, 20).setZero();
   return views;
 }
 
@@ -50,7 +50,7 @@ TEST(AllocationCounterTest, SeesTheHeapsFunctions) {
 /// Proposals of the two sizes, with confidence; one with depth.
 std::vector<TrainView> Proposals() {
   std::vector<TrainView> views = SmallPhotos();
-  for (TrainView& view : views) view.confidence = RandomUniform({view.camera.height, view.camera.width}, 114);
+  for (TrainView& view : views) view.pixel_weight = RandomUniform({view.camera.height, view.camera.width}, 114);
   views[1].inv_depth = views[1].depth_mask = Buffer<float>::Full({51, 70}, 0.2f);
   return views;
 }

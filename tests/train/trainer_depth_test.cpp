@@ -53,7 +53,8 @@ TEST(TrainerDepthTest, TheTermIsThatOfTheFormula) {
   EXPECT_GT(expected, 0.01);
   EXPECT_NEAR(FirstLoss(OnlyDepth(3), views), expected, 1e-4);
   EXPECT_NEAR(FirstLoss(OnlyDepth(0), views), 0, 1e-5);
-  views[0].confidence = Buffer<float>::Zeros({kHeight, kWidth});  // where the photo does not count, its depth does not
+  views[0].pixel_weight =
+      Buffer<float>::Zeros({kHeight, kWidth});  // where the photo does not count, its depth does not
   EXPECT_EQ(FirstLoss(OnlyDepth(3), views), 0);
 }
 

@@ -20,14 +20,14 @@ std::vector<TrainView> Proposals(int count) {
   auto views = Photos(count);
   for (int i = 0; i < count; ++i) {
     views[i].name = "proposal" + std::to_string(i);
-    views[i].confidence = Buffer<float>::Full({kHeight, kWidth}, 0.25f);
-    Table(views[i].confidence).leftCols(kWidth / 2).setConstant(0.9f);
+    views[i].pixel_weight = Buffer<float>::Full({kHeight, kWidth}, 0.25f);
+    Table(views[i].pixel_weight).leftCols(kWidth / 2).setConstant(0.9f);
   }
   return views;
 }
 
 std::vector<TrainView> WithConfidence(std::vector<TrainView> views, float value) {
-  for (TrainView& view : views) view.confidence = Buffer<float>::Full({kHeight, kWidth}, value);
+  for (TrainView& view : views) view.pixel_weight = Buffer<float>::Full({kHeight, kWidth}, value);
   return views;
 }
 

@@ -202,22 +202,22 @@ TEST(TrainerTest, WhatTheMaskHidesIsNoLoss) {
   // not see the difference.
   auto views = Photos(3);
   for (TrainView& view : views) {
-    view.confidence = Buffer<float>::Full({kHeight, kWidth}, 1.f);
-    Table(view.confidence).rightCols(kWidth - 20).setZero();
+    view.pixel_weight = Buffer<float>::Full({kHeight, kWidth}, 1.f);
+    Table(view.pixel_weight).rightCols(kWidth - 20).setZero();
     Table(view.image).rightCols(3 * (kWidth - 20)).setConstant(0.9f);
   }
   TrainOptions options = Options();
   options.opacity_reg = options.scale_reg = 0;
   Trainer trainer(options, kSeed, {0, 0, 0}, views, Truth());
   EXPECT_NEAR(trainer.Step(), 0, 1e-5);
-  for (TrainView& view : views) view.confidence = Buffer<float>();
+  for (TrainView& view : views) view.pixel_weight = Buffer<float>();
   Trainer unmasked(options, kSeed, {0, 0, 0}, views, Truth());
   EXPECT_GT(unmasked.Step(), 0.1);
 }
 
 TEST(TrainerTest, WhatTheMaskHidesGivesNoGradient) {
   auto views = Photos(2);
-  for (TrainView& view : views) view.confidence = Buffer<float>::Zeros({kHeight, kWidth});
+  for (TrainView& view : views) view.pixel_weight = Buffer<float>::Zeros({kHeight, kWidth});
   Trainer blind(Options(60), kSeed, {0, 0, 0}, views, Start());
   for (int i = 0; i < 25; ++i) blind.Step();  // regularizers and noise only: no color changes
   EXPECT_EQ(MaxAbs(blind.gaussians().sh), 0);
@@ -227,7 +227,7 @@ TEST(TrainerTest, AMaskOfOnesIsNoMask) {
   const auto run = [](bool masked) {
     auto views = Photos(3);
     for (TrainView& view : views) {
-      if (masked) view.confidence = Buffer<float>::Full({kHeight, kWidth}, 1.f);
+      if (masked) view.pixel_weight = Buffer<float>::Full({kHeight, kWidth}, 1.f);
     }
     Trainer trainer(Options(60), kSeed, {0, 0, 0}, views, Start());
     for (int i = 0; i < 5; ++i) trainer.Step();

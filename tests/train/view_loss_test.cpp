@@ -48,7 +48,7 @@ TEST(ViewLoss, WeighsProposalsByConfidenceAndDepthByItsMask) {
 
   Buffer<float> grad = Buffer<float>::Empty(out.image.shape()),
                 grad_depth = Buffer<float>::Empty(out.inv_depth.shape());
-  const double image = PhotometricLoss()(out.image, proposal.image, proposal.confidence, {0.7f, 0.3f}, &grad).loss;
+  const double image = PhotometricLoss()(out.image, proposal.image, proposal.pixel_weight, {0.7f, 0.3f}, &grad).loss;
   const double weight = 2 * CharacteristicDepth({proposal}) * DepthWeight(30, options.iterations.value());
   const double depth = MaskedL1(out.inv_depth, proposal.inv_depth, proposal.depth_mask, weight, &grad_depth);
   EXPECT_GT(depth, 0);
@@ -62,14 +62,14 @@ TEST(ViewLoss, WeighsAlphaByTheMask) {
   TrainOptions options = Options();
   options.alpha_weight = 0.4;
   TrainView photo = Photos(1)[0];
-  photo.confidence = Above(RandomUniform({kHeight, kWidth}, 122), 0.3f);
+  photo.pixel_weight = Above(RandomUniform({kHeight, kWidth}, 122), 0.3f);
   const RenderOutput out = Render();
   const double without = Planned(options, {{photo}})(kFirstPhoto, 1, out).loss;
   photo.alpha = RandomUniform({kHeight, kWidth}, 123);
   Planned loss(options, {{photo}});
   const ViewLossResult result = loss(kFirstPhoto, 1, out);
   Buffer<float> grad = Buffer<float>::Empty(out.alpha.shape());
-  const double alpha = MaskedL1(out.alpha, photo.alpha, photo.confidence, 0.4, &grad);
+  const double alpha = MaskedL1(out.alpha, photo.alpha, photo.pixel_weight, 0.4, &grad);
   EXPECT_GT(alpha, 0);
   EXPECT_DOUBLE_EQ(result.loss, without + alpha);
   EXPECT_TRUE(Equal(result.grads.alpha, grad));
@@ -101,7 +101,7 @@ TEST(ViewLoss, WeighsPixelsByThePowerOfTheirConfidence) {
   Planned loss(options, {{Photos(1)[0]}, {proposal}});
   const ViewLossResult result = loss(kFirstProposal, 1, out);
   Buffer<float> grad = Buffer<float>::Empty(out.image.shape());
-  const Buffer<float> weights = ToBuffer(proposal.confidence.shape(), Flat(proposal.confidence).square());
+  const Buffer<float> weights = ToBuffer(proposal.pixel_weight.shape(), Flat(proposal.pixel_weight).square());
   PhotometricLoss()(out.image, proposal.image, weights, {0.7f, 0.3f}, &grad);
   EXPECT_LE(MaxAbsError(result.grads.image, grad), 1e-9);
   EXPECT_TRUE(Equal(loss.plan.View(kFirstProposal).image, proposal.image));
@@ -141,15 +141,15 @@ TEST(ViewLoss, WeighsLpipsByTheMeanConfidence) {
   Planned loss(options, {Photos(1), {proposal}, mean_square});
   const ViewLossResult result = loss(kFirstProposal, 1, out);
   Buffer<float> grad = Buffer<float>::Empty(out.image.shape());
-  const double image = PhotometricLoss()(out.image, proposal.image, proposal.confidence, {0.4f, 0.3f}, &grad).loss;
-  const double weight = 0.3 * MeanConfidence(proposal.confidence);
+  const double image = PhotometricLoss()(out.image, proposal.image, proposal.pixel_weight, {0.4f, 0.3f}, &grad).loss;
+  const double weight = 0.3 * MeanConfidence(proposal.pixel_weight);
   EXPECT_DOUBLE_EQ(result.loss, image + weight * difference.square().mean());
   EXPECT_LE(RelativeL2(result.grads.image, Wide(grad) + weight * scale * difference), 1e-6);
 }
 
 TEST(ViewLoss, DoesNotAskTheNetworkAboutProposalsWithoutConfidence) {
   TrainView proposal = Photos(1)[0];
-  proposal.confidence = Buffer<float>::Zeros({kHeight, kWidth});
+  proposal.pixel_weight = Buffer<float>::Zeros({kHeight, kWidth});
   bool asked = false;
   const PerceptualDistance network = [&](auto&&...) {
     asked = true;

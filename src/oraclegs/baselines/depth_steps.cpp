@@ -33,7 +33,7 @@ std::vector<TrainView> DepthAlone(const std::vector<TrainView>& photos) {
   std::vector<TrainView> views;
   for (const TrainView& photo : photos) {
     views.push_back(WithCleanDepth(photo));
-    views.back().image = views.back().confidence = views.back().alpha = {};
+    views.back().image = views.back().pixel_weight = views.back().alpha = {};
   }
   return views;
 }

@@ -22,7 +22,7 @@ bool IsKnownEmpty(const CovisibilityView& view, int64_t pixel) {
 }
 
 double ConfidenceAt(const TrainView& photo, int64_t pixel) {
-  return photo.confidence.defined() ? static_cast<double>(photo.confidence[pixel]) : 1;
+  return photo.pixel_weight.defined() ? static_cast<double>(photo.pixel_weight[pixel]) : 1;
 }
 
 /// Factor that makes the mean of the weights 1.
@@ -55,7 +55,7 @@ std::vector<TrainView> WeightByCovisibility(std::vector<TrainView> photos) {
       const double weight = IsKnownEmpty(views[v], i) ? 1 : unit * static_cast<double>(weights[v][i]);
       weights[v][i] = static_cast<float>(ConfidenceAt(photos[v], i) * weight);
     }
-    photos[v].confidence = weights[v];
+    photos[v].pixel_weight = weights[v];
   }
   return photos;
 }

@@ -92,8 +92,8 @@ TrainOptions SettleProxyDose(TrainOptions options, const std::vector<TrainView>&
   if (proposals.empty() || !options.schedule.is_auto() || !options.synthetic_floor.is_auto()) return options;
   double squares = 0, pixels = 0;
   for (const TrainView& view : proposals) {
-    for (const float u : view.confidence.span()) squares += static_cast<double>(u) * static_cast<double>(u);
-    pixels += static_cast<double>(view.confidence.count());
+    for (const float u : view.pixel_weight.span()) squares += static_cast<double>(u) * static_cast<double>(u);
+    pixels += static_cast<double>(view.pixel_weight.count());
   }
   options.schedule = ScheduleKind::kConstant;
   options.synthetic_floor = kProxyDose * squares / pixels;

@@ -183,8 +183,8 @@ struct ReadyTrainer {
 /// The images and the proposals, with what each of their pixels counts.
 std::vector<SupportView> SupportViewsOf(const std::vector<TrainView>& images, const std::vector<TrainView>& proposals) {
   std::vector<SupportView> views;
-  for (const TrainView& view : images) views.push_back({view.camera, view.confidence, false});
-  for (const TrainView& view : proposals) views.push_back({view.camera, view.confidence, true});
+  for (const TrainView& view : images) views.push_back({view.camera, view.pixel_weight, false});
+  for (const TrainView& view : proposals) views.push_back({view.camera, view.pixel_weight, true});
   return views;
 }
 

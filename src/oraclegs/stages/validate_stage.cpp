@@ -238,7 +238,7 @@ std::vector<TrainView> ReadTrusted(const Run& run, std::vector<std::string>* rej
   std::vector<TrainView> trusted;
   for (std::optional<TrainView>& view : read) {
     if (!view) continue;
-    if (Mean(view->confidence.span()) < kMinMeanConfidence) {
+    if (Mean(view->pixel_weight.span()) < kMinMeanConfidence) {
       rejected->push_back(view->name);
     } else {
       trusted.push_back(std::move(*view));
@@ -277,7 +277,7 @@ void ReportConfidence(Run* run) {
   }
   if (proposals.empty()) return;
   double sum = 0;
-  for (const TrainView& view : proposals) sum += Mean(view.confidence.span());
+  for (const TrainView& view : proposals) sum += Mean(view.pixel_weight.span());
   run->listener(Note{fmt::format("{}, mean confidence {:.2f} ({})", Counted(proposals.size(), "proposal"),
                                  sum / static_cast<double>(proposals.size()), previews)});
 }

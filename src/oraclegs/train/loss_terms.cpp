@@ -29,7 +29,7 @@ std::vector<TrainView> CleanProposals(std::vector<TrainView> views, const TrainO
 
 std::vector<double> MeanConfidences(const std::vector<TrainView>& views) {
   std::vector<double> means;
-  for (const TrainView& view : views) means.push_back(MeanConfidence(view.confidence));
+  for (const TrainView& view : views) means.push_back(MeanConfidence(view.pixel_weight));
   return means;
 }
 
@@ -74,7 +74,7 @@ std::vector<ExposureMap> LossPlan::StartExposures() const {
 }
 
 LossTerm LossPlan::PhotometricTerm(ViewKind kind, const TrainView& view) const {
-  LossTerm term{TermKind::kPhotometric, 1, ViewPlane::kImage, PlaneIf(view.confidence, ViewPlane::kConfidence)};
+  LossTerm term{TermKind::kPhotometric, 1, ViewPlane::kImage, PlaneIf(view.pixel_weight, ViewPlane::kPixelWeight)};
   if (kind == ViewKind::kPhoto) {
     term.photometric = {static_cast<float>(1 - options_.ssim_weight), static_cast<float>(options_.ssim_weight)};
     term.mask_meaning = MaskMeaning::kMask;
@@ -107,8 +107,8 @@ LossTerms LossPlan::Terms(const SampledView& sampled, int64_t iteration) const {
     terms.Add({TermKind::kInvDepth, depth_weight, ViewPlane::kInvDepth, ViewPlane::kDepthMask});
   }
   if (options_.alpha_weight != 0 && view.alpha.defined()) {
-    terms.Add(
-        {TermKind::kAlpha, options_.alpha_weight, ViewPlane::kAlpha, PlaneIf(view.confidence, ViewPlane::kConfidence)});
+    terms.Add({TermKind::kAlpha, options_.alpha_weight, ViewPlane::kAlpha,
+               PlaneIf(view.pixel_weight, ViewPlane::kPixelWeight)});
   }
   return terms;
 }

@@ -36,7 +36,7 @@ enum class TermKind {
 };
 
 /// A plane of a TrainView, wherever a device keeps it.
-enum class ViewPlane { kNone, kImage, kConfidence, kInvDepth, kDepthMask, kAlpha };
+enum class ViewPlane { kNone, kImage, kPixelWeight, kInvDepth, kDepthMask, kAlpha };
 
 struct LossTerm {
   TermKind kind{};

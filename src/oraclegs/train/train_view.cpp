@@ -9,7 +9,7 @@ namespace oraclegs {
 namespace {
 
 bool DepthCounts(const TrainView& view, int64_t pixel) {
-  return view.depth_mask.data()[pixel] > 0 && (!view.confidence.defined() || view.confidence.data()[pixel] > 0);
+  return view.depth_mask.data()[pixel] > 0 && (!view.pixel_weight.defined() || view.pixel_weight.data()[pixel] > 0);
 }
 
 void CheckDepth(const TrainView& view) {
@@ -38,8 +38,8 @@ void CheckShares(const TrainView& view, const char* what, const Buffer<float>& s
 void CheckView(const TrainView& view) {
   const int64_t height = view.camera.height, width = view.camera.width;
   RequireShape("Trainer", ("image of " + view.name).c_str(), view.image, {height, width, 3});
-  if (view.confidence.defined()) {
-    RequireShape("Trainer", ("confidence of " + view.name).c_str(), view.confidence, {height, width});
+  if (view.pixel_weight.defined()) {
+    RequireShape("Trainer", ("pixel weights of " + view.name).c_str(), view.pixel_weight, {height, width});
   }
   CheckDepth(view);
   if (!view.alpha.defined()) return;
@@ -71,9 +71,9 @@ TrainView ToTrainView(const LoadedView& photo) {
   view.image = Buffer<float>::Empty({height, width, 3});
   std::copy(photo.rgb.data.begin(), photo.rgb.data.end(), view.image.data());
   if (!photo.weights.empty()) {
-    view.confidence = Plane(photo.weights, "weights", photo);
+    view.pixel_weight = Plane(photo.weights, "weights", photo);
   } else if (!photo.mask.empty()) {
-    view.confidence = Plane(photo.mask, "mask", photo);
+    view.pixel_weight = Plane(photo.mask, "mask", photo);
   }
   if (!photo.alpha.empty()) view.alpha = Plane(photo.alpha, "alpha channel", photo);
   return view;
@@ -87,15 +87,15 @@ void CheckViews(const std::vector<TrainView>& views) {
 void CheckProposals(const std::vector<TrainView>& proposals) {
   for (const TrainView& view : proposals) {
     CheckView(view);
-    if (view.confidence.defined()) CheckShares(view, "confidence", view.confidence);
+    if (view.pixel_weight.defined()) CheckShares(view, "confidence", view.pixel_weight);
   }
 }
 
 TrainView WithConfidencePower(TrainView proposal, double power) {
-  if (!proposal.confidence.defined()) return proposal;  // 1 stays 1
-  proposal.confidence = proposal.confidence.Clone();
-  float* u = proposal.confidence.data();
-  for (int64_t i = 0; i < proposal.confidence.count(); ++i) {
+  if (!proposal.pixel_weight.defined()) return proposal;  // 1 stays 1
+  proposal.pixel_weight = proposal.pixel_weight.Clone();
+  float* u = proposal.pixel_weight.data();
+  for (int64_t i = 0; i < proposal.pixel_weight.count(); ++i) {
     u[i] = u[i] > 0 ? static_cast<float>(std::pow(static_cast<double>(u[i]), power)) : 0.f;
   }
   return proposal;

@@ -18,7 +18,7 @@ struct TrainView {
   Buffer<float> image;  ///< [H,W,3]
   /// Weight of each pixel, [H,W] in [0,1], undefined = 1 everywhere: the mask of a photo, the confidence U of a
   /// proposal. WeightByCovisibility may set weights of photos above 1.
-  Buffer<float> confidence;
+  Buffer<float> pixel_weight;
   Buffer<float> inv_depth = {};   ///< [H,W] 1/z, 1/world unit, 0 = empty; undefined = the view has no known depth
   Buffer<float> depth_mask = {};  ///< [H,W] in [0,1], weight of inv_depth, 0 = unknown; defined where inv_depth is
   Buffer<float> alpha = {};       ///< [H,W] in [0,1], fraction of the pixel that the scene covers; undefined = unknown
@@ -43,11 +43,11 @@ double MeanConfidence(const Buffer<float>& confidence);
 /// Cameras of the views, in their order.
 std::vector<Camera> Cameras(const std::vector<TrainView>& views);
 
-/// The proposal with confidence^power; pixels of confidence 0 stay 0. The tensors of `proposal` are not written.
+/// The proposal with pixel_weight^power; pixels of weight 0 stay 0. The tensors of `proposal` are not written.
 TrainView WithConfidencePower(TrainView proposal, double power);
 
-/// The view with depth only where its photo is unmasked (confidence > 0), and zero elsewhere, so that values under the
-/// mask, NaN included, have no effect. A depth that is masked everywhere is dropped. The tensors of `view` are not
+/// The view with depth only where its photo is unmasked (pixel_weight > 0), and zero elsewhere, so that values under
+/// the mask, NaN included, have no effect. A depth that is masked everywhere is dropped. The tensors of `view` are not
 /// written.
 TrainView WithCleanDepth(TrainView view);
 

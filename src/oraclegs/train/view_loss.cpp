@@ -10,8 +10,8 @@ const Buffer<float>& PlaneOf(const TrainView& view, ViewPlane plane) {
   switch (plane) {
     case ViewPlane::kImage:
       return view.image;
-    case ViewPlane::kConfidence:
-      return view.confidence;
+    case ViewPlane::kPixelWeight:
+      return view.pixel_weight;
     case ViewPlane::kInvDepth:
       return view.inv_depth;
     case ViewPlane::kDepthMask:

@@ -33,7 +33,7 @@ TrainingData AllData() {
     view.inv_depth = Buffer<float>::Full({kHeight, kWidth}, 0.4f);
     view.depth_mask = Buffer<float>::Full({kHeight, kWidth}, 1.f);
   }
-  data.proposals[1].confidence = Buffer<float>::Full({kHeight, kWidth}, 0.5f);
+  data.proposals[1].pixel_weight = Buffer<float>::Full({kHeight, kWidth}, 0.5f);
   return data;
 }
 

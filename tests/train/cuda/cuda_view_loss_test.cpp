@@ -23,7 +23,7 @@ Buffer<float> InBytes(const Buffer<float>& image) {
 /// Photos with masks, depth and exposures of their own, proposals with confidence.
 TrainingData Data() {
   TrainingData data(Photos(3), Photos(2));
-  data.photos[1].confidence = Above(RandomPlane(80), 0.3f);
+  data.photos[1].pixel_weight = Above(RandomPlane(80), 0.3f);
   data.photos[1].exposure[0] = 1.3f;
   uint64_t seed = 81;
   for (TrainView* view : {&data.photos[0], &data.photos[1], &data.proposals[1]}) {
@@ -31,7 +31,7 @@ TrainingData Data() {
     view->depth_mask = RandomPlane(seed++);
   }
   for (TrainView* view : {&data.photos[1], &data.photos[2]}) view->alpha = RandomPlane(seed++);
-  data.proposals[0].confidence = RandomPlane(seed++);
+  data.proposals[0].pixel_weight = RandomPlane(seed++);
   return data;
 }
 

@@ -11,8 +11,8 @@ constexpr ViewKind kKinds[] = {ViewKind::kPhoto, ViewKind::kProposal};
 
 PackedView Pack(const TrainView& view) {
   // Depth and alpha are compared to the last bit; bytes would seldom hold them exactly.
-  return {Packed(view.image),      Packed(view.confidence), {view.inv_depth, {}},
-          Packed(view.depth_mask), {view.alpha, {}},        {}};
+  return {Packed(view.image),      Packed(view.pixel_weight), {view.inv_depth, {}},
+          Packed(view.depth_mask), {view.alpha, {}},          {}};
 }
 
 DeviceImage ImageOf(const PackedImage& image) {
@@ -50,7 +50,7 @@ DeviceImage PackedView::Plane(ViewPlane plane) const {
   switch (plane) {
     case ViewPlane::kImage:
       return ImageOf(image);
-    case ViewPlane::kConfidence:
+    case ViewPlane::kPixelWeight:
       return ImageOf(confidence);
     case ViewPlane::kInvDepth:
       return ImageOf(inv_depth);
