@@ -50,6 +50,23 @@ TEST(MeanOver, IsTheMeanOverScenesOfEachSeed) {
   EXPECT_THAT(AblationText(mean), HasSubstr("mean over fox, lego: 100 iterations"));
 }
 
+TEST(MeanOver, StandsBesideThePaperOverAllOfItsScenesAlone) {
+  std::vector<Ablation> scenes;
+  for (const char* name : {"bicycle", "bonsai", "counter", "garden", "kitchen", "room", "stump"}) {
+    scenes.push_back(OfScene(name, 20));
+    scenes.back().published_views = 24;
+  }
+  const Ablation mean = MeanOver(scenes);
+  EXPECT_EQ(mean.published_views, 24);
+  EXPECT_THAT(AblationText(mean), AllOf(HasSubstr("paper"), HasSubstr("17.95 / 0.479 / 0.409"), HasSubstr("misprint")));
+  EXPECT_THAT(AblationMarkdown(mean), HasSubstr("| 16.88 / 0.428 / 0.565 |"));
+  scenes[3].published_views = 12;
+  EXPECT_EQ(MeanOver(scenes).published_views, 0);
+  scenes.pop_back();
+  EXPECT_EQ(MeanOver(scenes).published_views, 0);
+  EXPECT_THAT(AblationText(scenes[0]), testing::Not(HasSubstr("paper"))) << "one scene is no mean";
+}
+
 TEST(MeanOver, LeavesOutWhatOneSceneLacks) {
   Ablation second = OfScene("lego", 30);
   second.rows.pop_back();

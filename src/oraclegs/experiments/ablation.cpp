@@ -11,6 +11,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/experiments/ablation_rows.h"
+#include "oraclegs/experiments/published_steps.h"
 #include "oraclegs/experiments/series.h"
 #include "oraclegs/run/reconstruct.h"
 #include "oraclegs/run/stages.h"
@@ -182,6 +183,7 @@ class Ablator {
       const Camera camera = WorkingCamera(run.scene.views[static_cast<size_t>(run.split.train[0])], run.options.image);
       ablation_.width = camera.width, ablation_.height = camera.height;
       ablation_.train_views = run.split.train.size(), ablation_.test_views = run.split.test.size();
+      ablation_.published_views = ViewsOfPublishedSteps(request_.run.scene.filename().string(), request_.run.options);
       scene_is_good_ = true;
       if (!fs::exists(request_.run.out / kJson, none))
         Write();  // results of an earlier call stand until there are new ones

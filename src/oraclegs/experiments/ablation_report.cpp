@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "oraclegs/core/text.h"
+#include "oraclegs/experiments/published_steps.h"
 #include "oraclegs/settings/named_options.h"
 
 namespace oraclegs {
@@ -50,6 +51,19 @@ std::string Shown(const std::optional<Spread>& spread, int decimals, bool sign =
 std::string WithoutScores(const AblationResult& row) {
   return row.runs.empty() ? "not run yet" : "failed: " + row.runs.front().failure;
 }
+
+/// "20.28 / 0.592 / 0.354", what the paper prints for a row; "-" for rows that it does not have.
+std::string PublishedCell(const Ablation& ablation, const AblationResult& row) {
+  for (const PublishedStep& step : PublishedSteps(ablation.published_views)) {
+    if (step.row == row.name) return fmt::format("{} / {:.3f} / {:.3f}", step.psnr, step.ssim, step.lpips);
+  }
+  return kNone;
+}
+
+bool HasPublished(const Ablation& ablation) { return !ablation.scenes.empty() && ablation.published_views > 0; }
+
+constexpr char kMisprint[] =
+    "* a misprint of the paper: 6 dB above the full method, with SSIM and LPIPS between its neighbors";
 
 /// Cells of a row that has scores.
 std::vector<std::string> Cells(const Ablation& ablation, size_t r) {
@@ -176,6 +190,7 @@ json AblationToJson(const Ablation& a) {
           {"scene", a.scene},
           {"scenes", a.scenes},
           {"views", {{"train", a.train_views}, {"test", a.test_views}}},
+          {"published_views", a.published_views},
           {"width", a.width},
           {"height", a.height},
           {"iterations", a.iterations},
@@ -192,9 +207,12 @@ std::string AblationText(const Ablation& ablation) {
     lines.push_back({fmt::format("{} {}", row.number, row.label)});
     std::vector<std::string> cells = {WithoutScores(row)};
     if (HasScores(row)) cells = Cells(ablation, r);
+    if (HasScores(row) && HasPublished(ablation)) cells.push_back(PublishedCell(ablation, row));
     lines.back().insert(lines.back().end(), cells.begin(), cells.end());
   }
-  std::string text = Protocol(ablation) + "\n" + AlignColumns(lines, "lrrrrrr");
+  if (HasPublished(ablation)) lines.front().emplace_back("paper");
+  std::string text = Protocol(ablation) + "\n" + AlignColumns(lines, HasPublished(ablation) ? "lrrrrrrr" : "lrrrrrr");
+  if (HasPublished(ablation) && ablation.published_views == 24) text += std::string(kMisprint) + "\n";
   for (const std::string& line : PartialFailures(ablation)) text += line + "\n";
   return text;
 }
@@ -202,14 +220,18 @@ std::string AblationText(const Ablation& ablation) {
 std::string AblationMarkdown(const Ablation& ablation) {
   std::string text = fmt::format("# Ablation of {}\n\n{}; oraclegs {}.\n\n    {}\n\n", ablation.scene,
                                  Protocol(ablation), ablation.version, ablation.command);
-  text += "| row | PSNR, dB | SSIM | LPIPS | PSNR, color-corrected | gain, dB | training |\n";
-  text += "| --- | --- | --- | --- | --- | --- | --- |\n";
+  const bool has_published = HasPublished(ablation);
+  text += fmt::format("| row | PSNR, dB | SSIM | LPIPS | PSNR, color-corrected | gain, dB | training |{}\n",
+                      has_published ? " paper |" : "");
+  text += fmt::format("| --- | --- | --- | --- | --- | --- | --- |{}\n", has_published ? " --- |" : "");
   for (size_t r = 0; r < ablation.rows.size(); ++r) {
     const AblationResult& row = ablation.rows[r];
     const std::string head = fmt::format("| {} {} |", row.number, InCell(row.label));
-    text += HasScores(row) ? fmt::format("{} {} |\n", head, fmt::join(Cells(ablation, r), " | "))
-                           : fmt::format("{} {} | | | | | |\n", head, InCell(WithoutScores(row)));
+    const std::string last = has_published ? fmt::format(" {} |", PublishedCell(ablation, row)) : "";
+    text += HasScores(row) ? fmt::format("{} {} |{}\n", head, fmt::join(Cells(ablation, r), " | "), last)
+                           : fmt::format("{} {} | | | | | |{}\n", head, InCell(WithoutScores(row)), last);
   }
+  if (has_published && ablation.published_views == 24) text += fmt::format("\n{}\n", kMisprint);
   text += "\n| row | adds | options |\n| --- | --- | --- |\n";
   for (const AblationResult& row : ablation.rows) {
     std::vector<std::string> options;

@@ -4,6 +4,7 @@
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/experiments/published_steps.h"
 #include "oraclegs/experiments/series.h"
 #include "oraclegs/scene/read_scene.h"
 #include "oraclegs/scene/split.h"
@@ -70,11 +71,13 @@ Ablation MeanOver(const std::vector<Ablation>& scenes) {
   mean.scenes.clear(), mean.notes.clear(), mean.rows.clear();
   mean.train_views = mean.test_views = 0, mean.width = mean.height = 0;
   for (const Ablation& scene : scenes) {
+    if (scene.published_views != mean.published_views) mean.published_views = 0;
     mean.scenes.push_back(NameOf(scene.scene));
     for (const std::string& note : scene.notes) {
       if (std::find(mean.notes.begin(), mean.notes.end(), note) == mean.notes.end()) mean.notes.push_back(note);
     }
   }
+  if (!AreScenesOfPublishedSteps(mean.scenes)) mean.published_views = 0;
   mean.scene = fmt::format("{}", fmt::join(mean.scenes, ", "));
   for (const AblationResult& first : scenes.front().rows) {
     AblationResult row = first;

@@ -92,7 +92,7 @@ TEST(BenchCsv, HasALineForEachRow) {
   report.runs[6].failure = "a \"b\", c";
   report.runs[0].version = report.runs[1].version = "1.0 (abc)", report.runs[2].version = "0.9 (old)";
   const std::string text = BenchCsv(report);
-  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1 + 12);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1 + 16);
   EXPECT_THAT(text, HasSubstr("suite,views,scene,method,scored,of,psnr,psnr_deviation,ssim,"));
   EXPECT_THAT(
       text,

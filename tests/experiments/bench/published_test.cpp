@@ -4,11 +4,8 @@
 
 #include <algorithm>
 #include <set>
-#include <sstream>
 
-#include "oraclegs/core/files.h"
-#include "oraclegs/core/text.h"
-#include "support/golden.h"
+#include "experiments/paper_tables.h"
 
 namespace oraclegs {
 namespace {
@@ -36,25 +33,6 @@ TEST(PublishedFor, HasEachMethodOnceWithItsSource) {
     EXPECT_EQ(methods.size(), count) << suite << views;
     EXPECT_EQ(scores.size(), count) << suite << views;
   }
-}
-
-/// "17.73 / 0.432 / 0.520" as numbers.
-std::vector<double> Numbers(const std::string& cell) {
-  std::vector<double> numbers;
-  for (const std::string& number : SplitTrimmed(cell, '/')) numbers.push_back(std::stod(number));
-  return numbers;
-}
-
-/// Cells of the rows of a table of tests/golden/paper_tables.md, below its two lines of headings.
-std::vector<std::vector<std::string>> PaperTable(const std::string& heading) {
-  const std::string text = ReadFile(GoldenDir() / "paper_tables.md");
-  std::istringstream lines(text.substr(text.find(heading)));
-  std::vector<std::vector<std::string>> rows;
-  std::string line;
-  std::getline(lines, line);
-  while (std::getline(lines, line) && line.starts_with("|")) rows.push_back(SplitTrimmed(line, '|'));
-  rows.erase(rows.begin(), rows.begin() + 2);
-  return rows;
 }
 
 TEST(PublishedFor, HasEachNumberOfThePaperAsPrinted) {

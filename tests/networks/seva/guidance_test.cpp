@@ -9,7 +9,7 @@ TEST(SevaGuidance, WeightsAndResultsMatchTheOfficialOnes) {
   const SafetensorsFile file = SamplingFixture();
   const std::vector<View> views = GoldenViews(file, "cfg.c2w", "cfg.K");
   const std::vector<bool> given = GoldenMask(file, "cfg.input_frame_mask");
-  ASSERT_EQ(file.Values<double>("cfg.min").at(0), kGuidanceBesideAnImage);
+  ASSERT_EQ(static_cast<float>(file.Values<double>("cfg.min").at(0)), static_cast<float>(kGuidanceBesideAnImage));
   const Tensor both = GoldenFloat(file, "cfg.x_uncond_cond");
   const auto frames = static_cast<int64_t>(views.size());
   const Tensor plain = both.slice(0, 0, frames), conditional = both.slice(0, frames);
