@@ -81,6 +81,7 @@ def extract_features(database, image_path):
 
 
 def match(database):
+    """Pairs that are there already stay, as with colmap after a kill."""
     ids = [row[0] for row in database.execute("SELECT image_id FROM images ORDER BY image_id")]
     print("Matching block [1/1, 1/1]", flush=True)
     pairs = struct.pack("<200I", *[i // 2 for i in range(200)])
@@ -88,8 +89,8 @@ def match(database):
         for b in ids:
             if a < b:
                 pair = PAIR_BASE * a + b
-                database.execute("INSERT INTO matches VALUES (?, 100, 2, ?)", (pair, pairs))
-                database.execute("INSERT INTO two_view_geometries VALUES (?, 100, 2, ?, 3, NULL, NULL, NULL)",
+                database.execute("INSERT OR IGNORE INTO matches VALUES (?, 100, 2, ?)", (pair, pairs))
+                database.execute("INSERT OR IGNORE INTO two_view_geometries VALUES (?, 100, 2, ?, 3, NULL, NULL, NULL)",
                                  (pair, pairs))  # fmt: skip
 
 
