@@ -10,7 +10,7 @@
 #     tidy     clang-tidy
 #     dev      the floors of the engine, each file on its own and without precompiled headers
 #     cuda     compiles the device code with nvcc; running it needs a GPU
-#     long     minutes a fuzzer, the growth of parsers, all tests of the preset dev; not in --all
+#     long     minutes a fuzzer, all tests of the preset dev, the growth of parsers; not in --all
 # A stage that cannot run fails. CI=true: plain output, warnings are errors.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -117,7 +117,7 @@ stage_cuda() {
     echo "scripts/test.sh: the stage cuda needs nvcc, of the CUDA toolkit 12 or later; --stage names the others" >&2
     exit 1
   }
-  configure+=(-DORACLEGS_APPS=OFF -DCMAKE_CUDA_ARCHITECTURES=90)
+  local configure=("${configure[@]}" -DORACLEGS_APPS=OFF -DCMAKE_CUDA_ARCHITECTURES=90)
   build cuda cuda_tests gpu_bench
   build/cuda/bin/cuda_tests --gtest_brief=1 | tail -n 3
   python3 scripts/device_code.py --check
@@ -126,10 +126,10 @@ stage_cuda() {
 stage_long() {
   step "fuzzers"
   scripts/fuzz.sh --seconds 300
-  build release parser_growth_bench
-  build/release/bin/parser_growth_bench
   build dev
   run_tests dev
+  build release parser_growth_bench
+  build/release/bin/parser_growth_bench
 }
 
 scripts/bootstrap.sh

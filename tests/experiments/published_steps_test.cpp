@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "experiments/paper_tables.h"
+#include "oraclegs/experiments/bench/suites.h"
 
 namespace oraclegs {
 namespace {
@@ -40,6 +41,7 @@ TEST(ViewsOfPublishedSteps, AreOfThePapersImagesAlone) {
 
 TEST(AreScenesOfPublishedSteps, AreAllSeven) {
   EXPECT_TRUE(AreScenesOfPublishedSteps({"room", "bicycle", "bonsai", "counter", "garden", "kitchen", "stump"}));
+  EXPECT_TRUE(AreScenesOfPublishedSteps(FindSuite("mipnerf360").scenes)) << "those of the suite";
   EXPECT_FALSE(AreScenesOfPublishedSteps({"bicycle", "bonsai"}));
 }
 
