@@ -1,5 +1,5 @@
 #pragma once
-// What the OracleGS paper prints for the rows of its ablation.
+// The OracleGS paper's numbers for the rows of its ablation.
 
 #include <string>
 #include <vector>

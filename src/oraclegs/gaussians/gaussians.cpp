@@ -1,7 +1,5 @@
 #include "oraclegs/gaussians/gaussians.h"
 
-#include "oraclegs/core/parallel.h"
-
 namespace oraclegs {
 
 Gaussians Gaussians::Empty(int64_t n, Device device) {
@@ -56,12 +54,6 @@ void AddRows(const Gaussians& from, int64_t begin, int64_t end, int sh_floats, c
   for (int64_t i = 0; i < end - begin; ++i) {
     for (int k = 0; k < sh_floats; ++k) to.sh[kShFloats * i + k] += rows.sh[kShFloats * i + k];
   }
-}
-
-void AddGaussians(const Gaussians& from, Gaussians* to) {
-  constexpr int64_t kGrain = 4096;  // Gaussians
-  ParallelBlocks(from.size(), kGrain,
-                 [&](int64_t begin, int64_t end) { AddRows(from, begin, end, kShFloats, to->Rows().From(begin)); });
 }
 
 }  // namespace oraclegs

@@ -60,7 +60,4 @@ struct Gaussians {
 /// to += the rows [begin, end) of `from`, where row 0 of `to` belongs to `begin`; of sh the first `sh_floats` of each.
 void AddRows(const Gaussians& from, int64_t begin, int64_t end, int sh_floats, const GaussianRows& to);
 
-/// to += from, of the same number of Gaussians, on the CPU.
-void AddGaussians(const Gaussians& from, Gaussians* to);
-
 }  // namespace oraclegs

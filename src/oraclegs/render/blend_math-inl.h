@@ -1,5 +1,5 @@
-// What the blend loop takes of a projected Gaussian, where in the image it can be seen, and what the loop's gradients
-// are by the projection (docs/method.md#blending). F as in splat_math-inl.h.
+// A projected Gaussian as the blend loop takes it, its box in the image, and the gradients of the projection from the
+// loop's sums (docs/method.md#blending). F as in splat_math-inl.h.
 
 #if defined(ORACLEGS_RENDER_BLEND_MATH_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ORACLEGS_RENDER_BLEND_MATH_INL_H_
