@@ -61,18 +61,5 @@ TEST(AddRows, AddsTheRowsThatItIsToldTo) {
   });
 }
 
-TEST(AddGaussians, AddsEveryNumber) {
-  const auto filled = [](int64_t n, float value) {
-    Gaussians g = Gaussians::Zeros(n);
-    g.ForEach([&](const char*, Buffer<float>& t) { std::fill_n(t.data(), t.count(), value); });
-    return g;
-  };
-  Gaussians sum = filled(5000, 0.5f);
-  AddGaussians(filled(5000, 2), &sum);
-  sum.ForEach([](const char* name, const Buffer<float>& t) {
-    EXPECT_EQ(std::count(t.data(), t.data() + t.count(), 2.5f), t.count()) << name;
-  });
-}
-
 }  // namespace
 }  // namespace oraclegs
