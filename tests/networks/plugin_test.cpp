@@ -60,9 +60,9 @@ TEST_F(PluginTest, PredictsDepthAndDistance) {
 TEST_F(PluginTest, StopsWhenTheProgramIsInterrupted) {
   const auto attention = GetNetworks().OpenAttention(WriteTinyVggt(dir / "vggt.safetensors"), AttentionOptions(), kCpu);
   const Image8 image{28, 28, 3, std::vector<uint8_t>(28 * 28 * 3, 9)};
-  EXPECT_EQ(attention->Confidence(image, {image}).shape(), (Shape{1, 28, 28}));
+  EXPECT_EQ(attention->Confidence({image, image}, {1})[0].shape(), (Shape{28, 28}));
   RequestInterrupt(true);
-  EXPECT_THROW(attention->Confidence(image, {image}), Interrupted);
+  EXPECT_THROW(attention->Confidence({image, image}, {1}), Interrupted);
   RequestInterrupt(false);
 }
 

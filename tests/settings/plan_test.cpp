@@ -56,6 +56,19 @@ TEST(ChooseOracle, TakesWhatIsNamed) {
   EXPECT_EQ(ChooseOracle(named).weights->path, dir / "named.safetensors");
 }
 
+TEST(ChooseOracle, AllowsAPassOverAllOnlyWhereNothingIsHeldOutAndSizesMayDiffer) {
+  RunOptions options = With(OracleKind::kConsistency);
+  options.validate.oracle_pass = OraclePass::kAll;
+  const auto message = [&] { return MessageOf<UsageError>([&] { ChooseOracle(options); }); };
+  EXPECT_THAT(message(), AllOf(HasSubstr("oracle-pass=all"), HasSubstr("oracle-mode=official")));
+  options.validate.oracle = OracleKind::kVggt;
+  EXPECT_FALSE(message().empty());
+  options.validate.oracle_mode = AttentionMode::kOfficial;
+  EXPECT_FALSE(message().empty());
+  options.validate.calibrate = false;
+  EXPECT_THROW(ChooseOracle(options), InputError) << "the weights are all that is missing";
+}
+
 TEST(ChooseOracle, RefusesLayersThatTheNetworkLacks) {
   const TempDir dir;
   RunOptions options = With(OracleKind::kVggt);

@@ -93,6 +93,27 @@ TEST_F(ValidateStageTest, LeavesOutWhatIsTrustedNowhere) {
       << "there is nothing to take a mean of";
 }
 
+TEST_F(ValidateStageTest, LeavesOutNothingWhereConfidenceHasNoLevel) {
+  auto request = Request("as_it_is");
+  const Result all = Validate(request, Silent());
+  const fs::path root = all.root;
+  for (const TrainView& view : all.views) {
+    const int width = view.camera.width, height = view.camera.height;
+    WritePng(root / "confidence" / (view.name + ".png"),
+             Image8{width, height, 1, std::vector<uint8_t>(static_cast<size_t>(width) * height, 1)});
+  }
+  EXPECT_THAT(Validate(request, Silent()).views, IsEmpty()) << "a mean of 1/255 is no confidence";
+  request.options.validate.calibrate = false;
+  const Result raw = Validate(request, Silent());
+  ASSERT_FALSE(raw.views.empty());
+  for (const TrainView& view : raw.views) {
+    const int width = view.camera.width, height = view.camera.height;
+    WritePng(root / "confidence" / (view.name + ".png"),
+             Image8{width, height, 1, std::vector<uint8_t>(static_cast<size_t>(width) * height, 1)});
+  }
+  EXPECT_EQ(Validate(request, Silent()).views.size(), raw.views.size());
+}
+
 TEST_F(ValidateStageTest, IsMadeAgainWhereAnImageIsDamaged) {
   const Result result = Validate(Request("damaged"), Silent());
   const fs::path file = result.root / "proposals" / (result.views[0].name + ".png");

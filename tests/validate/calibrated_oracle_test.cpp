@@ -133,6 +133,20 @@ TEST_F(CalibratedOracleTest, DiffersByMode) {
   EXPECT_NE(others[0].confidence, official[0].confidence);
 }
 
+TEST_F(CalibratedOracleTest, LooksAtAllImagesTogetherAsThePapersCode) {
+  options.calibrate = false, options.oracle_mode = AttentionMode::kOfficial;
+  const auto chunk = Classify(OracleKind::kVggt);
+  options.oracle_pass = OraclePass::kAll;
+  steps.clear();
+  const auto all = Classify(OracleKind::kVggt);
+  EXPECT_EQ(together, 3u);
+  EXPECT_EQ(steps, (std::vector<std::pair<int64_t, int64_t>>{{3, 3}})) << "six photos and three proposals in one pass";
+  EXPECT_NE(all[0].confidence, chunk[0].confidence);
+  Classify(OracleKind::kVggt, 3);
+  EXPECT_EQ(together, 3u) << "all proposals, in passes of three images";
+  EXPECT_GT(steps.size(), 2u);
+}
+
 TEST_F(CalibratedOracleTest, DiffersByLayers) {
   options.calibrate = false;
   const auto usual = Classify(OracleKind::kVggt);
@@ -152,27 +166,27 @@ TEST(ChooseChunk, IsEightOrWhatTheMemoryHolds) {
   const auto bytes = [](int64_t chunk) { return (10 + chunk) << 20; };
   const auto mebibytes = [](uint64_t n) { return n << 20; };
   EventRecorder recorder;
-  EXPECT_EQ(ChooseChunk(bytes, {}, 40, mebibytes(100), recorder.AsListener()), 8u);
-  EXPECT_EQ(ChooseChunk(bytes, {}, 40, 0, recorder.AsListener()), 8u);  // unknown
-  EXPECT_EQ(ChooseChunk(bytes, 20, 40, mebibytes(100), recorder.AsListener()), 20u);
+  EXPECT_EQ(ChooseChunk(bytes, {{}, 8, 40}, mebibytes(100), recorder.AsListener()), 8u);
+  EXPECT_EQ(ChooseChunk(bytes, {{}, 8, 40}, 0, recorder.AsListener()), 8u);  // unknown
+  EXPECT_EQ(ChooseChunk(bytes, {20, 8, 40}, mebibytes(100), recorder.AsListener()), 20u);
   EXPECT_TRUE(recorder.warnings.empty());
-  EXPECT_EQ(ChooseChunk(bytes, {}, 40, mebibytes(13), recorder.AsListener()), 3u);
-  EXPECT_THAT(recorder.warnings, testing::ElementsAre(testing::AllOf(HasSubstr("3 proposals at a time, not 8"),
+  EXPECT_EQ(ChooseChunk(bytes, {{}, 8, 40}, mebibytes(13), recorder.AsListener()), 3u);
+  EXPECT_THAT(recorder.warnings, testing::ElementsAre(testing::AllOf(HasSubstr("3 images at a time, not 8"),
                                                                      HasSubstr("--set oracle-chunk=3"))));
-  EXPECT_EQ(ChooseChunk(bytes, 20, 40, mebibytes(13), recorder.AsListener()), 20u);
+  EXPECT_EQ(ChooseChunk(bytes, {20, 8, 40}, mebibytes(13), recorder.AsListener()), 20u);
   EXPECT_THAT(recorder.warnings.back(), testing::AllOf(HasSubstr("--set oracle-chunk=20"), HasSubstr("are free")));
-  EXPECT_THAT(MessageOf<RunError>([&] { ChooseChunk(bytes, {}, 40, mebibytes(10), Silent()); }),
+  EXPECT_THAT(MessageOf<RunError>([&] { ChooseChunk(bytes, {{}, 8, 40}, mebibytes(10), Silent()); }),
               testing::AllOf(HasSubstr("for one proposal beside an image"), HasSubstr("--oracle consistency")));
 }
 
 TEST(ChooseChunk, TakesAllAtOnceForZero) {
   const auto bytes = [](int64_t chunk) { return (10 + chunk) << 20; };
   EventRecorder recorder;
-  EXPECT_EQ(ChooseChunk(bytes, 0, 40, uint64_t{100} << 20, recorder.AsListener()), 40u);
-  EXPECT_EQ(ChooseChunk(bytes, 0, 0, uint64_t{100} << 20, recorder.AsListener()), 1u) << "no proposal at all";
+  EXPECT_EQ(ChooseChunk(bytes, {0, 8, 40}, uint64_t{100} << 20, recorder.AsListener()), 40u);
+  EXPECT_EQ(ChooseChunk(bytes, {0, 8, 0}, uint64_t{100} << 20, recorder.AsListener()), 1u) << "no proposal at all";
   EXPECT_TRUE(recorder.warnings.empty());
-  EXPECT_EQ(ChooseChunk(bytes, 0, 40, uint64_t{42} << 20, recorder.AsListener()), 32u);
-  EXPECT_THAT(recorder.warnings, testing::ElementsAre(HasSubstr("32 proposals at a time, not 40")));
+  EXPECT_EQ(ChooseChunk(bytes, {0, 8, 40}, uint64_t{42} << 20, recorder.AsListener()), 32u);
+  EXPECT_THAT(recorder.warnings, testing::ElementsAre(HasSubstr("32 images at a time, not 40")));
 }
 
 }  // namespace

@@ -14,23 +14,22 @@ double Mean(const Image8& image) {
   return std::accumulate(image.data.begin(), image.data.end(), 0.0) / static_cast<double>(image.data.size()) / 255;
 }
 
-/// Network with outputs that depend on the pixel, on the reference and on all proposals of the pass.
+/// Network with outputs that depend on the pixel and on all views of the pass.
 class FakeAttention : public AttentionNetwork {
  public:
   explicit FakeAttention(std::vector<size_t>* passes) : passes_(passes) {}
   int64_t PassBytes(const std::vector<Camera>&, int64_t views) const override { return views; }
   void Load() override {}
-  Buffer<float> Confidence(const Image8& reference, const std::vector<Image8>& proposals) override {
-    if (passes_) passes_->push_back(proposals.size());
-    const int64_t count = static_cast<int64_t>(proposals.size()), width = proposals[0].width,
-                  height = proposals[0].height;
-    double together = Mean(reference);
-    for (const Image8& proposal : proposals) together += Mean(proposal);
-    const Buffer<float> maps = Buffer<float>::Empty({count, height, width});
-    for (int64_t i = 0; i < maps.count(); ++i) {
-      const Image8& proposal = proposals[static_cast<size_t>(i / (width * height))];
-      const auto pixel = static_cast<size_t>(i % (width * height));
-      maps[i] = static_cast<float>(proposal.data[3 * pixel] / 510.0 + together / 100);
+  std::vector<Buffer<float>> Confidence(const std::vector<Image8>& views, const std::vector<size_t>& asked) override {
+    if (passes_) passes_->push_back(asked.size());
+    double together = 0;
+    for (const Image8& view : views) together += Mean(view);
+    std::vector<Buffer<float>> maps;
+    for (const size_t a : asked) {
+      maps.push_back(Buffer<float>::Empty({views[a].height, views[a].width}));
+      for (int64_t i = 0; i < maps.back().count(); ++i) {
+        maps.back()[i] = static_cast<float>(views[a].data[static_cast<size_t>(3 * i)] / 510.0 + together / 100);
+      }
     }
     return maps;
   }
@@ -53,7 +52,7 @@ class VggtOracleTest : public testing::Test {
   VggtOracleTest() { views.push_back({"view", CameraOf(kImageWidth, kImageHeight), Noise(77).rgb, {}}); }
 
   VggtOracle Oracle(size_t chunk = 8, std::function<void(size_t)> on_pass = {}, std::vector<size_t>* passes = nullptr) {
-    return {std::make_unique<FakeAttention>(passes), {chunk, std::move(on_pass)}, views};
+    return {std::make_unique<FakeAttention>(passes), {.chunk = chunk, .on_pass = std::move(on_pass)}, views};
   }
 
   std::vector<LoadedView> views;
@@ -93,6 +92,30 @@ TEST_F(VggtOracleTest, AHeldOutViewIsNotLookedAt) {
   EXPECT_NE(beside(0), beside_second);
   views.pop_back();
   EXPECT_THROW(beside(0), InputError);
+}
+
+TEST_F(VggtOracleTest, APassOverAllMixesImagesAndProposalsInAnOrderOfTheSeed) {
+  for (int v = 0; v < 3; ++v) views.push_back({"more", CameraOf(20, 10), Noise(90 + v, 20, 10).rgb, {}});
+  const std::vector<Proposal> five = {Noise(1), Noise(2, 20, 10), Noise(3), Noise(4), Noise(5)};
+  std::vector<size_t> passes;
+  size_t reported = 0;
+  const auto at_seed = [&](uint64_t seed, size_t chunk) {
+    passes.clear(), reported = 0;
+    return VggtOracle(std::make_unique<FakeAttention>(&passes),
+                      {OraclePass::kAll, chunk, seed, [&](size_t n) { reported += n; }}, views)
+        .Predict(five);
+  };
+  const auto maps = at_seed(1, 4);
+  EXPECT_LE(passes.size(), 3u);  // nine images in runs of three; one without a proposal is not run
+  EXPECT_EQ(reported, 5u);
+  EXPECT_EQ(maps[1].size(), 200u);
+  EXPECT_EQ(at_seed(1, 4), maps);
+  EXPECT_NE(at_seed(2, 4), maps) << "others are in the pass";
+  EXPECT_EQ(at_seed(1, 96).size(), 5u);
+  EXPECT_EQ(passes, std::vector<size_t>{5});
+  EXPECT_THROW(VggtOracle(std::make_unique<FakeAttention>(nullptr), {.pass = OraclePass::kAll}, views)
+                   .Predict(std::vector<Query>{{five[0], 0}}),
+               ShapeError);
 }
 
 TEST_F(VggtOracleTest, StopsWhenAskedTo) {

@@ -32,6 +32,21 @@ TEST(EvenRuns, AreFewAndEven) {
   EXPECT_TRUE(EvenRuns(0, 4).empty());
 }
 
+TEST(ShuffledRuns, HoldEachNumberOnceInAnOrderOfTheSeed) {
+  const auto runs = ShuffledRuns(9, 4, 7);
+  ASSERT_EQ(runs.size(), 3u);
+  std::vector<size_t> all;
+  for (const auto& run : runs) {
+    EXPECT_EQ(run.size(), 3u);
+    all.insert(all.end(), run.begin(), run.end());
+  }
+  EXPECT_FALSE(std::is_sorted(all.begin(), all.end()));
+  EXPECT_THAT(all, testing::UnorderedElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8));
+  EXPECT_EQ(ShuffledRuns(9, 4, 7), runs);
+  EXPECT_NE(ShuffledRuns(9, 4, 8), runs);
+  EXPECT_TRUE(ShuffledRuns(0, 4, 7).empty());
+}
+
 TEST(PlanChunks, PutsTheNearestViewBeside) {
   const auto views = Views(9);
   const auto chunks = PlanChunks(At(views, {0, 1, 2, 6, 7, 8}, false), views, 3);

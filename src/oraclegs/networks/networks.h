@@ -109,9 +109,11 @@ class AttentionNetwork {
   virtual int64_t PassBytes(const std::vector<Camera>& cameras, int64_t views) const = 0;
   /// Reads the weights; otherwise the first Confidence does. Throws InputError that lists all that does not fit.
   virtual void Load() = 0;
-  /// [proposals, height, width] in [0, 1] on the host: large where the other views attend. It ranks pixels and is no
-  /// probability. All proposals must have one size. Throws Interrupted.
-  virtual Buffer<float> Confidence(const Image8& reference, const std::vector<Image8>& proposals) = 0;
+  /// Runs one pass over `views`, the first of which is the reference. Returns for each index in `asked` the map
+  /// [height, width] of that view in [0, 1] on the host: large where the other views attend. It ranks pixels and is no
+  /// probability. Views may differ in size in the mode `official`; otherwise all that are asked for must have one size,
+  /// and the reference cannot be one of them. Throws ShapeError, Interrupted.
+  virtual std::vector<Buffer<float>> Confidence(const std::vector<Image8>& views, const std::vector<size_t>& asked) = 0;
 };
 
 /// Pixel at which one image shows a point.

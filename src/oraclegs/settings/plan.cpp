@@ -11,6 +11,16 @@ void RequireLayers(const RunOptions& options, const VggtWeights& weights) {
   RequireAttentionLayers(AttentionLayersOf(options.validate), weights.layers, weights.name);
 }
 
+/// Throws UsageError for a pass over all images that the other options of the oracle do not allow: nothing can be held
+/// out of it, and its views differ in size.
+void RequirePass(const ValidateOptions& options) {
+  if (options.oracle_pass == OraclePass::kChunk) return;
+  if (options.oracle == OracleKind::kVggt && options.oracle_mode == AttentionMode::kOfficial && !options.calibrate) return;
+  throw UsageError(
+      "--set oracle-pass=all: needs --oracle vggt, --set oracle-mode=official and --set calibrate=false, as "
+      "--preset paper-mipnerf360-12 sets them");
+}
+
 }  // namespace
 
 bool ProposesViews(const RunOptions& options) {
@@ -30,6 +40,7 @@ bool NeedsDepth(const RunOptions& options) {
 }
 
 OracleChoice ChooseOracle(const RunOptions& options) {
+  RequirePass(options.validate);
   const Auto<OracleKind>& asked = options.validate.oracle;
   if (asked == OracleKind::kConsistency || asked == OracleKind::kUniform) return {asked.value()};
   if (!asked.is_auto()) {

@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMinMeanConfidence = 0.02;  // of a proposal that is of any use
+constexpr double kMinMeanConfidence = 0.02;  // of a proposal that is of any use, where confidence is calibrated
 
 Image8 Gray(const ConfidenceMap& map, const Camera& camera) {
   Image8 image{camera.width, camera.height, 1, {}};
@@ -223,7 +223,8 @@ std::vector<Target> AllTargets(const StageResults& known) {
   return targets;
 }
 
-/// Proposals that are trusted anywhere, which are trained on. Names of the others go to `rejected`.
+/// Proposals that are trained on: all of them where confidence has no level, else those that are trusted anywhere.
+/// Names of the others go to `rejected`.
 std::vector<TrainView> ReadTrusted(const Run& run, std::vector<std::string>* rejected) {
   const std::vector<Target> targets = AllTargets(*run.results);
   std::vector<std::optional<TrainView>> read(targets.size());
@@ -238,7 +239,7 @@ std::vector<TrainView> ReadTrusted(const Run& run, std::vector<std::string>* rej
   std::vector<TrainView> trusted;
   for (std::optional<TrainView>& view : read) {
     if (!view) continue;
-    if (Mean(view->pixel_weight.span()) < kMinMeanConfidence) {
+    if (run.options.validate.calibrate && Mean(view->pixel_weight.span()) < kMinMeanConfidence) {
       rejected->push_back(view->name);
     } else {
       trusted.push_back(std::move(*view));

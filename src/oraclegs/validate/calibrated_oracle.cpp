@@ -12,6 +12,7 @@ namespace {
 
 // Targets whose images are held at once, and that VGGT looks at together unless another number is asked for.
 constexpr size_t kOracleChunk = 8;
+constexpr size_t kImagesOfPass = 96;  // of all images and proposals, in the paper's code
 
 double GiB(double bytes) { return bytes / (1024.0 * 1024 * 1024); }
 
@@ -31,8 +32,9 @@ bool IsNothing(const ConfidenceMap& map) {
 
 }  // namespace
 
-size_t ChooseChunk(const std::function<int64_t(int64_t)>& bytes, const Auto<int>& asked, size_t all, uint64_t available,
+size_t ChooseChunk(const std::function<int64_t(int64_t)>& bytes, const ChunkRequest& request, uint64_t available,
                    const Listener& listener) {
+  const Auto<int>& asked = request.asked;
   const auto fits = [&](int64_t chunk) { return available == 0 || static_cast<uint64_t>(bytes(chunk)) <= available; };
   const double free = GiB(static_cast<double>(available));
   if (asked.ValueOr(0) > 0) {
@@ -42,22 +44,19 @@ size_t ChooseChunk(const std::function<int64_t(int64_t)>& bytes, const Auto<int>
     }
     return static_cast<size_t>(asked.value());
   }
-  const bool together = !asked.is_auto();
-  const int64_t most = static_cast<int64_t>(together ? std::max<size_t>(all, 1) : kOracleChunk);
+  const int64_t most = static_cast<int64_t>(std::max<size_t>(asked.is_auto() ? request.usual : request.all, 1));
   int64_t chunk = most;
   while (chunk > 1 && !fits(chunk)) --chunk;
   if (!fits(chunk)) {
     throw RunError(
         "VGGT needs about {:.1f} GiB of memory for one proposal beside an image, {:.1f} GiB are free; free some, or "
-        "use "
-        "--oracle consistency",
+        "use --oracle consistency",
         GiB(static_cast<double>(bytes(1))), free);
   }
   if (chunk < most) {
     listener(
-        Warning{fmt::format("VGGT looks at {} proposals at a time, not {}, for {:.1f} GiB of memory are free; --set "
-                            "oracle-chunk={} gives the "
-                            "same confidence again",
+        Warning{fmt::format("VGGT looks at {} images at a time, not {}, for {:.1f} GiB of memory are free; --set "
+                            "oracle-chunk={} gives the same confidence again",
                             chunk, most, free, chunk)});
   }
   return static_cast<size_t>(chunk);
@@ -123,9 +122,15 @@ void CalibratedOracle::LoadSecond(const OracleSetup& setup, const std::vector<Lo
   std::vector<Camera> cameras;
   for (const LoadedView& view : views) cameras.push_back(view.camera);
   VggtOracleOptions options;
-  options.chunk = ChooseChunk([&](int64_t chunk) { return network->PassBytes(cameras, chunk + 1); }, asked.oracle_chunk,
-                              std::max(setup.targets, views.size()), setup.free_bytes, listener);
-  together_ = options.chunk;
+  options.pass = asked.oracle_pass, options.seed = setup.seed;
+  const bool all = options.pass == OraclePass::kAll;
+  const ChunkRequest request =
+      all ? ChunkRequest{asked.oracle_chunk, std::min(kImagesOfPass, views.size() + setup.targets),
+                         views.size() + setup.targets}
+          : ChunkRequest{asked.oracle_chunk, kOracleChunk, std::max(setup.targets, views.size())};
+  options.chunk = ChooseChunk([&](int64_t images) { return network->PassBytes(cameras, all ? images : images + 1); },
+                              request, setup.free_bytes, listener);
+  together_ = all ? std::max<size_t>(setup.targets, 1) : options.chunk;
   progress_ = std::make_shared<Progress>();
   progress_->listener = listener;
   options.on_pass = [progress = progress_](size_t images) { progress->Add(images); };

@@ -17,11 +17,18 @@
 
 namespace oraclegs {
 
-/// How many proposals VGGT looks at together: `asked`; or the most whose pass needs no more than the free memory, up to
-/// 8 where that is automatic, up to `all` where 0 is asked for. bytes(n): what a pass over n proposals needs with the
-/// weights; available: bytes, 0 = unknown. Warns of a chunk that was made smaller, or that was asked for and may not
-/// fit. Throws RunError when not even one fits and no number was asked for.
-size_t ChooseChunk(const std::function<int64_t(int64_t)>& bytes, const Auto<int>& asked, size_t all, uint64_t available,
+/// Number of images that VGGT is to look at together.
+struct ChunkRequest {
+  Auto<int> asked;   ///< 0 = all
+  size_t usual = 0;  ///< where it is automatic
+  size_t all = 0;
+};
+
+/// How many images VGGT looks at together: the number asked for; or the most whose pass needs no more than the free
+/// memory, up to the usual number where that is automatic, up to all where 0 is asked for. bytes(n): what a pass over n
+/// of them needs with the weights; available: bytes, 0 = unknown. Warns of a chunk that was made smaller, or that was
+/// asked for and may not fit. Throws RunError when not even one fits and no number was asked for.
+size_t ChooseChunk(const std::function<int64_t(int64_t)>& bytes, const ChunkRequest& request, uint64_t available,
                    const Listener& listener);
 
 /// The oracle of a run, before it has learned.

@@ -28,9 +28,20 @@ struct EnumWords<PickRule> {
       {PickRule::kBlend, "blend"}, {PickRule::kPixel, "pixel"}, {PickRule::kView, "view"}};
 };
 
+/// Images that VGGT looks at in one pass.
+enum class OraclePass {
+  kChunk,  ///< a few proposals beside the nearest image, as the paper says
+  kAll,    ///< images and proposals in random order, as its authors' code does
+};
+template <>
+struct EnumWords<OraclePass> {
+  static constexpr EnumWord<OraclePass> kWords[] = {{OraclePass::kChunk, "chunk"}, {OraclePass::kAll, "all"}};
+};
+
 struct ValidateOptions {
   Auto<OracleKind> oracle;
   AttentionMode oracle_mode = AttentionMode::kReference;
+  OraclePass oracle_pass = OraclePass::kChunk;
   Auto<int> oracle_chunk;
   Auto<VggtPrecision> vggt_precision;
   std::string vggt_layers;         ///< see AttentionLayersOf
@@ -49,9 +60,14 @@ struct ValidateOptions {
           "all other views of the pass; official = of the photo's camera token, over the whole pass together, as in "
           "the paper's code",
           Tier::kSetting);
+    visit("oracle-pass", self.oracle_pass,
+          "What VGGT looks at in one pass: chunk = a few proposals beside the nearest photo, as the paper says; all = "
+          "all photos and proposals in an order that depends on --seed, the first of each pass its reference, as the "
+          "paper's code does (with --oracle vggt, oracle-mode=official and calibrate=false)",
+          Tier::kSetting);
     visit("oracle-chunk", self.oracle_chunk,
           "Proposals that VGGT processes together, beside one photo; auto = 8, or as many as fit into memory; 0 = all, "
-          "or as many as fit",
+          "or as many as fit; with oracle-pass=all the images of a pass, auto = 96, or as many as fit",
           Range{0, 512}, Tier::kSetting);
     visit("vggt-precision", self.vggt_precision,
           "Number type of VGGT as oracle: float32; bfloat16; autocast = as its authors run it: weights and sums in "

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <tuple>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/rng.h"
 #include "oraclegs/propose/nearest_order.h"
 
 namespace oraclegs {
@@ -82,6 +84,20 @@ std::vector<std::pair<size_t, size_t>> EvenRuns(size_t count, size_t limit) {
   std::vector<std::pair<size_t, size_t>> runs;
   const size_t number = (count + std::max<size_t>(limit, 1) - 1) / std::max<size_t>(limit, 1);
   for (size_t r = 0; r < number; ++r) runs.emplace_back(r * count / number, (r + 1) * count / number);
+  return runs;
+}
+
+std::vector<std::vector<size_t>> ShuffledRuns(size_t count, size_t limit, uint64_t seed) {
+  std::vector<size_t> order(count);
+  std::iota(order.begin(), order.end(), size_t{0});
+  Rng rng(seed, RandomStream::kOraclePass);
+  for (size_t left = count; left > 1; --left) {
+    std::swap(order[left - 1], order[static_cast<size_t>(rng.Index(static_cast<int64_t>(left)))]);
+  }
+  std::vector<std::vector<size_t>> runs;
+  for (const auto& [begin, end] : EvenRuns(count, limit)) {
+    runs.emplace_back(order.begin() + static_cast<int64_t>(begin), order.begin() + static_cast<int64_t>(end));
+  }
   return runs;
 }
 

@@ -2,6 +2,7 @@
 // Choice of the proposals in one pass of VGGT, and of the view beside them (docs/method.md#vggt-oracle).
 
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -12,6 +13,9 @@ namespace oraclegs {
 
 /// [begin, end) of the fewest runs of at most `limit` elements, as even as possible. Empty for 0 elements.
 std::vector<std::pair<size_t, size_t>> EvenRuns(size_t count, size_t limit);
+
+/// The numbers 0 to count - 1 in random order, in EvenRuns of at most `limit`.
+std::vector<std::vector<size_t>> ShuffledRuns(size_t count, size_t limit, uint64_t seed);
 
 struct ViewChunk {
   std::vector<size_t> members;  ///< indices of proposals, ascending

@@ -55,6 +55,19 @@ TEST(Aggregator, WhatIsAskedForDoesNotChangeWhatIsAnswered) {
   EXPECT_TRUE(torch::equal(both.tokens.at(2), Aggregate(aggregator, images, {{2}, {}}).tokens.at(2)));
 }
 
+TEST(Aggregator, ComputesTheQueriesAskedForAlone) {
+  const SafetensorsFile file = OpenGolden(kVggtFixture);
+  const Aggregator aggregator = GoldenVggt().aggregator;
+  const Tensor images = GoldenFloat(file, "input.images");
+  const GlobalAttention all = Aggregate(aggregator, images, {{}, {2}}).attention.at(2);
+  const GlobalAttention camera = Aggregate(aggregator, images, {{}, {2}, {1, false, true}}).attention.at(2);
+  EXPECT_FALSE(camera.from_patches.defined());
+  EXPECT_TRUE(torch::equal(camera.from_camera, all.from_camera.slice(0, 0, 1)));
+  const GlobalAttention patches = Aggregate(aggregator, images, {{}, {2}, {1, true, false}}).attention.at(2);
+  EXPECT_FALSE(patches.from_camera.defined());
+  EXPECT_TRUE(torch::equal(patches.from_patches, all.from_patches.slice(0, 0, 1)));
+}
+
 TEST(Aggregator, OneViewIsEnough) {
   const SafetensorsFile file = OpenGolden(kVggtFixture);
   const Aggregator aggregator = GoldenVggt().aggregator;

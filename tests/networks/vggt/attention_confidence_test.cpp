@@ -41,6 +41,20 @@ TEST(PatchConfidence, EachModeReadsItsQueries) {
   EXPECT_LT(MaxAbsError(values(AttentionMode::kOfficial), torch::tensor({0.f, 0.125f, 0.25f, 0.5f})), 1e-6);
 }
 
+TEST(PatchConfidence, NeedsNoMoreThanTheQueriesOfItsMode) {
+  const WeightedAttention all = TwoViews();
+  for (const auto mode : {AttentionMode::kOthers, AttentionMode::kReference, AttentionMode::kOfficial}) {
+    const AttentionQueries queries = QueriesOf(mode);
+    const int64_t views = queries.views > 0 ? queries.views : 2;
+    WeightedAttention some{{}, all.weight};
+    if (queries.patches) some.attention.from_patches = all.attention.from_patches.slice(0, 0, views);
+    if (queries.camera) some.attention.from_camera = all.attention.from_camera.slice(0, 0, views);
+    EXPECT_TRUE(torch::equal(PatchConfidence({some}, mode, {1, 2}), PatchConfidence({all}, mode, {1, 2})));
+    EXPECT_NE(queries.patches, queries.camera);
+  }
+  EXPECT_THROW(PatchConfidence({{{}, 1}}, AttentionMode::kOfficial, {1, 2}), ShapeError);
+}
+
 TEST(PatchConfidence, AConstantMapIsZero) {
   const WeightedAttention flat{{torch::full({2, 2, 3}, 1e-4f), torch::full({2, 2, 3}, 1e-4f)}, 1};
   for (const auto mode : {AttentionMode::kOthers, AttentionMode::kReference, AttentionMode::kOfficial}) {

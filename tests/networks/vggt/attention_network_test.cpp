@@ -1,5 +1,7 @@
 #include "oraclegs/networks/vggt/attention_network.h"
 
+#include <numeric>
+
 #include "networks/vggt/fixture.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/rng.h"
@@ -36,7 +38,21 @@ class AttentionTest : public testing::Test {
 
   /// At the size of the fixture's images, which are not resized then.
   Tensor Maps(AttentionMode mode, const std::vector<Image8>& of) const {
-    return AttentionOn(aggregator, {mode, kWidth, {0, 2}, {0.25, 0.75}}, reference, of);
+    return at::stack(AttentionOn(aggregator, {mode, kWidth, {0, 2}, {0.25, 0.75}}, Beside(of), Behind(of)));
+  }
+
+  /// The views of a pass: the reference, then the proposals.
+  std::vector<Image8> Beside(const std::vector<Image8>& of) const {
+    std::vector<Image8> views = {reference};
+    views.insert(views.end(), of.begin(), of.end());
+    return views;
+  }
+
+  /// The numbers of all views of a pass but the reference.
+  static std::vector<size_t> Behind(const std::vector<Image8>& of) {
+    std::vector<size_t> asked(of.size());
+    std::iota(asked.begin(), asked.end(), size_t{1});
+    return asked;
   }
 
   const SafetensorsFile file = OpenGolden(kVggtFixture);
@@ -97,8 +113,23 @@ TEST_F(AttentionTest, StopsWhenAskedTo) {
 }
 
 TEST_F(AttentionTest, RefusesSettingsThatDoNotFit) {
-  EXPECT_THROW(AttentionOn(aggregator, {.layers = {0}, .weights = {1, 2}}, reference, proposals), ShapeError);
-  EXPECT_THROW(AttentionOn(aggregator, {}, reference, {}), ShapeError);
+  const std::vector<Image8> views = Beside(proposals);
+  EXPECT_THROW(AttentionOn(aggregator, {.layers = {0}, .weights = {1, 2}}, views, {1}), ShapeError);
+  EXPECT_THROW(AttentionOn(aggregator, {}, views, {}), ShapeError);
+  EXPECT_THROW(AttentionOn(aggregator, {}, views, {3}), ShapeError);
+  EXPECT_THROW(AttentionOn(aggregator, {}, views, {0}), ShapeError) << "the reference is fitted to the others";
+  EXPECT_THROW(AttentionOn(aggregator, {}, {reference, Noise(1), Noise(2, 31, 64)}, {1, 2}), ShapeError);
+}
+
+TEST_F(AttentionTest, AnOfficialPassHoldsViewsOfAnySizeAndItsReferenceHasAMap) {
+  const std::vector<Image8> views = {reference, Noise(1, 31, 64), proposals[0]};
+  const AttentionSettings settings{AttentionMode::kOfficial, kWidth, {0, 2}, {0.25, 0.75}};
+  const std::vector<Tensor> all = AttentionOn(aggregator, settings, views, {0, 1, 2});
+  ASSERT_EQ(all.size(), 3u);
+  EXPECT_EQ(all[0].sizes(), (std::vector<int64_t>{kHeight, kWidth}));
+  EXPECT_EQ(all[1].sizes(), (std::vector<int64_t>{64, 31}));
+  EXPECT_GT(at::cat({all[0].flatten(), all[1].flatten(), all[2].flatten()}).max().item<float>(), 0.3f);
+  EXPECT_TRUE(at::equal(AttentionOn(aggregator, settings, views, {2})[0], all[2])) << "asking for fewer changes none";
 }
 
 TEST_F(AttentionTest, AnOpenedFileHasItsOwnSettings) {
@@ -110,12 +141,12 @@ TEST_F(AttentionTest, AnOpenedFileHasItsOwnSettings) {
   EXPECT_GT(nine, two);
   EXPECT_LE(network->PassBytes({upright}, 2), two) << "only the shape counts: the longer side is always the same";
   EXPECT_GT(OpenAttention(path, {AttentionMode::kOfficial}, torch::kCPU)->PassBytes({small}, 2), two) << "padded";
-  const Buffer<float> maps = network->Confidence(reference, proposals);
+  const std::vector<Buffer<float>> maps = network->Confidence(Beside(proposals), {2});
   const Tensor expected =
-      AttentionOn(aggregator, {AttentionMode::kReference, 70, {0, 2}, {0.25, 0.75}}, reference, proposals);
-  ASSERT_EQ(maps.shape(), (Shape{2, kHeight, kWidth}));
-  const float* values = expected.data_ptr<float>();
-  EXPECT_TRUE(std::equal(maps.span().begin(), maps.span().end(), values));
+      AttentionOn(aggregator, {AttentionMode::kReference, 70, {0, 2}, {0.25, 0.75}}, Beside(proposals), {2})[0];
+  ASSERT_EQ(maps.size(), 1u);
+  ASSERT_EQ(maps[0].shape(), (Shape{kHeight, kWidth}));
+  EXPECT_TRUE(std::equal(maps[0].span().begin(), maps[0].span().end(), expected.data_ptr<float>()));
 }
 
 TEST_F(AttentionTest, LayersAndWeightsMayBeAskedFor) {
@@ -123,8 +154,8 @@ TEST_F(AttentionTest, LayersAndWeightsMayBeAskedFor) {
   const auto path = WriteTinyVggt(dir / "tiny.safetensors");
   const auto maps_of = [&](const std::vector<LayerWeight>& layers) {
     const auto network = OpenAttention(path, {AttentionMode::kReference, layers}, torch::kCPU);
-    const Buffer<float> maps = network->Confidence(reference, proposals);
-    return std::vector<float>(maps.span().begin(), maps.span().end());
+    const Buffer<float> map = network->Confidence(Beside(proposals), {1})[0];
+    return std::vector<float>(map.span().begin(), map.span().end());
   };
   const auto of_file = maps_of({});
   EXPECT_EQ(maps_of({{0, 0.25}, {2, 0.75}}), of_file) << "what the file names";

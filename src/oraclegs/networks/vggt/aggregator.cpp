@@ -26,14 +26,19 @@ Tensor OnPatches(const Tensor& attention, const Views& views) {
 }
 
 /// Summary of the attention of q, k [1, heads, N, width / heads].
-GlobalAttention SummarizeAttention(const Tensor& q, const Tensor& k, const Views& views) {
+GlobalAttention SummarizeAttention(const Tensor& q, const Tensor& k, const Views& views,
+                                   const AttentionQueries& queries) {
   std::vector<Tensor> from_patches, from_camera;
-  for (int64_t i = 0; i < views.count; ++i) {
+  const int64_t asked = queries.views > 0 ? std::min(queries.views, views.count) : views.count;
+  for (int64_t i = 0; i < asked; ++i) {
     const Tensor own = q[0].slice(1, i * views.tokens(), (i + 1) * views.tokens());
-    from_patches.push_back(OnPatches(MeanAttention(own.slice(1, views.special), k[0]), views));
-    from_camera.push_back(OnPatches(MeanAttention(own.slice(1, 0, 1), k[0]), views));
+    if (queries.patches) from_patches.push_back(OnPatches(MeanAttention(own.slice(1, views.special), k[0]), views));
+    if (queries.camera) from_camera.push_back(OnPatches(MeanAttention(own.slice(1, 0, 1), k[0]), views));
   }
-  return {at::stack(from_patches), at::stack(from_camera)};
+  GlobalAttention attention;
+  if (queries.patches) attention.from_patches = at::stack(from_patches);
+  if (queries.camera) attention.from_camera = at::stack(from_camera);
+  return attention;
 }
 
 /// Highest layer asked for. Throws ShapeError.
@@ -99,7 +104,9 @@ AggregatorResult Aggregate(const Aggregator& aggregator, const Tensor& images, c
     Tensor attended;
     {
       const QueriesKeysValues in = AttentionInputs(global, all, &global_rope);
-      if (Contains(request.attention_layers, l)) result.attention[l] = SummarizeAttention(in.q, in.k, views);
+      if (Contains(request.attention_layers, l)) {
+        result.attention[l] = SummarizeAttention(in.q, in.k, views, request.queries);
+      }
       if (l == last && !keep) break;
       attended = Attend(in.q, in.k, in.v);
     }

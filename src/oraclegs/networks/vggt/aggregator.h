@@ -35,16 +35,24 @@ struct Aggregator {
 };
 Aggregator LoadAggregator(const ParameterScope& at, const AggregatorConfig& config);
 
+/// Queries whose attention is computed. Each costs a row over all tokens of the pass.
+struct AttentionQueries {
+  int64_t views = 0;  ///< the first views, Q of them; 0 = all
+  bool patches = true;
+  bool camera = true;
+};
+
 /// Attention of one global block to the patches, mean over heads. [i, j, p]: from view i to patch p of view j.
 struct GlobalAttention {
-  Tensor from_patches;  ///< [S, S, P] float32: mean over the patches of view i as queries
-  Tensor from_camera;   ///< [S, S, P] float32: the camera token of view i as the only query
+  Tensor from_patches;  ///< [Q, S, P] float32: mean over the patches of view i as queries; undefined without
+  Tensor from_camera;   ///< [Q, S, P] float32: the camera token of view i as the only query; undefined without
 };
 
 /// Results wanted from a pass over the views.
 struct AggregatorRequest {
   std::vector<int64_t> token_layers;      ///< layers whose tokens the heads read
   std::vector<int64_t> attention_layers;  ///< layers whose global attention an oracle reads
+  AttentionQueries queries = {};
 };
 
 struct AggregatorResult {

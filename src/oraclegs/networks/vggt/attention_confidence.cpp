@@ -14,18 +14,30 @@ Tensor AttentionReceived(const GlobalAttention& attention, AttentionMode mode) {
   return (from.sum(0) - own) / static_cast<double>(from.size(0) - 1);
 }
 
+/// The attention that the mode reads, [Q, S, P].
+const Tensor& ReadBy(AttentionMode mode, const GlobalAttention& attention) {
+  return mode == AttentionMode::kOfficial ? attention.from_camera : attention.from_patches;
+}
+
 }  // namespace
+
+AttentionQueries QueriesOf(AttentionMode mode) {
+  const bool camera = mode == AttentionMode::kOfficial;
+  return {mode == AttentionMode::kOthers ? 0 : 1, !camera, camera};
+}
 
 Tensor PatchConfidence(const std::vector<WeightedAttention>& layers, AttentionMode mode, const PatchGrid& grid) {
   if (layers.empty()) throw ShapeError("PatchConfidence: there are no layers");
   Tensor sum;
   for (const WeightedAttention& layer : layers) {
-    const Tensor& from = layer.attention.from_patches;
-    if (from.dim() != 3 || from.size(0) != from.size(1) || from.size(2) != grid.rows * grid.cols) {
-      throw ShapeError("PatchConfidence: the attention is [{}], expected [S, S, {}]", fmt::join(from.sizes(), ", "),
+    const Tensor& from = ReadBy(mode, layer.attention);
+    if (!from.defined() || from.dim() != 3 || from.size(2) != grid.rows * grid.cols ||
+        (mode == AttentionMode::kOthers && from.size(0) != from.size(1))) {
+      throw ShapeError("PatchConfidence: the attention is [{}], expected {} x [S, {}]",
+                       from.defined() ? fmt::format("{}", fmt::join(from.sizes(), ", ")) : "missing", Word(mode),
                        grid.rows * grid.cols);
     }
-    if (mode == AttentionMode::kOthers && from.size(0) < 2) {
+    if (mode == AttentionMode::kOthers && from.size(1) < 2) {
       throw ShapeError("PatchConfidence: one view has no others to look at it");
     }
     const Tensor map = AttentionReceived(layer.attention, mode);

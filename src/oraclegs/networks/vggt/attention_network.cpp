@@ -28,6 +28,19 @@ Image8 Fitted(const Image8& image, int width, int height) {
   return out;
 }
 
+/// Throws ShapeError for views that cannot be asked for.
+void RequireViews(const std::vector<Image8>& views, const std::vector<size_t>& asked, bool official) {
+  if (views.empty() || asked.empty()) throw ShapeError("AttentionOn: {} of {} views", asked.size(), views.size());
+  for (const size_t view : asked) {
+    if (view >= views.size() || (view == 0 && !official)) {
+      throw ShapeError("AttentionOn: view {} of {} has no map", view, views.size());
+    }
+    if (!official && (views[view].width != views[asked[0]].width || views[view].height != views[asked[0]].height)) {
+      throw ShapeError("AttentionOn: views of different sizes");
+    }
+  }
+}
+
 class AttentionOfFile : public AttentionNetwork {
  public:
   AttentionOfFile(const std::filesystem::path& path, const AttentionOptions& options, torch::Device device)
@@ -52,9 +65,11 @@ class AttentionOfFile : public AttentionNetwork {
     if (!aggregator_) aggregator_ = LoadVggt({path_}, {}, placement_, file_.network).aggregator;
   }
 
-  Buffer<float> Confidence(const Image8& reference, const std::vector<Image8>& proposals) override {
+  std::vector<Buffer<float>> Confidence(const std::vector<Image8>& views, const std::vector<size_t>& asked) override {
     Load();
-    return BufferOf(AttentionOn(*aggregator_, settings_, reference, proposals));
+    std::vector<Buffer<float>> maps;
+    for (const Tensor& map : AttentionOn(*aggregator_, settings_, views, asked)) maps.push_back(BufferOf(map));
+    return maps;
   }
 
  private:
@@ -86,34 +101,38 @@ class AttentionOfFile : public AttentionNetwork {
 
 }  // namespace
 
-Tensor AttentionOn(const Aggregator& aggregator, const AttentionSettings& settings, const Image8& reference,
-                   const std::vector<Image8>& proposals) {
-  if (settings.layers.empty() || settings.layers.size() != settings.weights.size() || proposals.empty()) {
-    throw ShapeError("AttentionOn: {} layers, {} weights, {} proposals", settings.layers.size(),
-                     settings.weights.size(), proposals.size());
+std::vector<Tensor> AttentionOn(const Aggregator& aggregator, const AttentionSettings& settings,
+                                const std::vector<Image8>& views, const std::vector<size_t>& asked) {
+  if (settings.layers.empty() || settings.layers.size() != settings.weights.size()) {
+    throw ShapeError("AttentionOn: {} layers, {} weights", settings.layers.size(), settings.weights.size());
   }
-  const int width = proposals[0].width, height = proposals[0].height;
   const bool official = settings.mode == AttentionMode::kOfficial;
-  std::vector<Image8> views = {official ? reference : Fitted(reference, width, height)};
-  views.insert(views.end(), proposals.begin(), proposals.end());
+  RequireViews(views, asked, official);
+  std::vector<Image8> fitted = views;
+  if (!official) fitted[0] = Fitted(views[0], views[asked[0]].width, views[asked[0]].height);
   const int64_t patch = aggregator.config.backbone.patch;
-  const Input input = PrepareInput(views, official ? Fit::kPad : Fit::kWhole, settings.side, patch);
-  const AggregatorResult result =
-      Aggregate(aggregator, input.images.to(aggregator.camera_token.device()), {{}, settings.layers});
+  const Input input = PrepareInput(fitted, official ? Fit::kPad : Fit::kWhole, settings.side, patch);
+  const AggregatorResult result = Aggregate(aggregator, input.images.to(aggregator.camera_token.device()),
+                                            {{}, settings.layers, QueriesOf(settings.mode)});
+  const auto on_cpu = [](const Tensor& t) { return t.defined() ? t.to(torch::kCPU) : t; };
   std::vector<WeightedAttention> layers;
   for (size_t l = 0; l < settings.layers.size(); ++l) {
     const GlobalAttention& on_device = result.attention.at(settings.layers[l]);
-    layers.push_back(
-        {{on_device.from_patches.to(torch::kCPU), on_device.from_camera.to(torch::kCPU)}, settings.weights[l]});
+    layers.push_back({{on_cpu(on_device.from_patches), on_cpu(on_device.from_camera)}, settings.weights[l]});
   }
   const int64_t rows = input.images.size(2), cols = input.images.size(3);
-  const Tensor confidence =
-      UpsampleConfidence(PatchConfidence(layers, settings.mode, {rows / patch, cols / patch}).slice(0, 1), rows, cols);
-  const InputPlace& place = input.places[1];  // all proposals have one size
-  const Tensor shown = confidence.slice(1, place.top, place.top + place.height)
-                           .slice(2, place.left, place.left + place.width)
-                           .contiguous();
-  return UpsampleConfidence(shown, height, width).clamp_(0, 1).contiguous();
+  const Tensor of_patches = PatchConfidence(layers, settings.mode, {rows / patch, cols / patch});
+  std::vector<Tensor> maps;
+  for (const size_t view : asked) {
+    const auto v = static_cast<int64_t>(view);
+    const InputPlace& place = input.places[view];
+    const Tensor shown = UpsampleConfidence(of_patches.slice(0, v, v + 1), rows, cols)
+                             .slice(1, place.top, place.top + place.height)
+                             .slice(2, place.left, place.left + place.width)
+                             .contiguous();
+    maps.push_back(UpsampleConfidence(shown, views[view].height, views[view].width)[0].clamp_(0, 1).contiguous());
+  }
+  return maps;
 }
 
 std::unique_ptr<AttentionNetwork> OpenAttention(const std::filesystem::path& weights, const AttentionOptions& options,

@@ -18,10 +18,10 @@ struct AttentionSettings {
   std::vector<double> weights = {0.25, 0.75};  ///< weight of each layer
 };
 
-/// Confidence [proposals, height, width] float32 in [0, 1] from one pass over the reference and the proposals, which
-/// must be of one size. Throws ShapeError when layers and weights differ in number, Interrupted.
-Tensor AttentionOn(const Aggregator& aggregator, const AttentionSettings& settings, const Image8& reference,
-                   const std::vector<Image8>& proposals);
+/// Maps [height, width] float32 in [0, 1] as AttentionNetwork::Confidence returns them. Throws ShapeError also when
+/// layers and weights differ in number.
+std::vector<Tensor> AttentionOn(const Aggregator& aggregator, const AttentionSettings& settings,
+                                const std::vector<Image8>& views, const std::vector<size_t>& asked);
 
 /// Uses the layers and weights asked for, else those that the file names; weights are scaled to sum to 1. Throws
 /// InputError as ReadWeightsFile does and naming a layer that the network does not have; ShapeError for weights below 0
