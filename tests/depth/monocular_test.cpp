@@ -126,6 +126,22 @@ TEST_F(MonocularTest, ImpossibleDepthIsUnknown) {
   EXPECT_EQ(none.inv_depth, std::vector<float>(truth.size(), 0));
 }
 
+TEST_F(MonocularTest, WholeDepthHasNearPixelsAndMapsThatFitNowhere) {
+  guess.values[100] = -10, guess.values[200] = 10;
+  AllowedPixels allowed(truth.size(), 1);
+  allowed[300] = 0;
+  const DepthMap map = WholeDepth(truth, guess, alignment, known, allowed).map;
+  EXPECT_EQ(map.inv_depth[100], 0) << "beyond infinity";
+  EXPECT_NEAR(map.inv_depth[200], alignment.At(10), 1e-4);
+  EXPECT_EQ(map.confidence[300], 0);
+  EXPECT_EQ(map.inv_depth[301], AlignedDepth(truth, guess, alignment, known, allowed).map.inv_depth[301]);
+  const std::vector<KnownDepth> wrong = {{10.5, 10.5, 99}};
+  EXPECT_EQ(AlignedDepth(truth, guess, alignment, wrong, {}).map.confidence[301], 0);
+  const MonocularDepth whole = WholeDepth(truth, guess, alignment, wrong, {});
+  EXPECT_EQ(whole.right, 0);
+  EXPECT_NEAR(whole.map.confidence[301], kLeastOfWhole, 1e-6);
+}
+
 TEST_F(MonocularTest, ConfidentDepthsComeFromStereo) {
   const std::vector<KnownDepth> confident = ConfidentDepths(stereo);
   EXPECT_GT(confident.size(), 1000u);

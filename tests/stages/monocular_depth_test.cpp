@@ -47,7 +47,7 @@ class MonocularDepthTest : public testing::Test {
     }
   }
   MonocularMaps Combine(bool fused) {
-    return WithMonocularDepth(predicted, views, fused ? stereo : std::vector<DepthMap>(), points,
+    return WithMonocularDepth({predicted, is_whole}, views, fused ? stereo : std::vector<DepthMap>(), points,
                               recorder.AsListener());
   }
 
@@ -56,6 +56,7 @@ class MonocularDepthTest : public testing::Test {
   std::vector<DepthMap> stereo;
   std::vector<ScenePoint> points;
   EventRecorder recorder;
+  bool is_whole = false;
 };
 
 TEST_F(MonocularDepthTest, AlignsEachViewToThePoints) {

@@ -70,7 +70,11 @@ TEST(TrainInputs, MaskDepthByZeroAndOneForThePaper) {
   };
   EXPECT_THAT(masks(), testing::ElementsAre(1, 0, 0)) << "confident, not confident, nothing";
   object.geometry.maps[0].monocular = true;
-  EXPECT_THAT(masks(), testing::ElementsAre(1, 1, 0)) << "a network's depth counts wherever it is";
+  EXPECT_THAT(masks(), testing::ElementsAre(1, 1, 0)) << "a network's depth counts wherever the silhouette allows";
+  object.geometry.maps[0].inv_depth[10 * kSide + 14] = 0, object.geometry.maps[0].confidence[10 * kSide + 14] = 0;
+  EXPECT_THAT(masks(), testing::ElementsAre(1, 1, 0)) << "and beyond infinity";
+  std::fill(object.geometry.maps[0].confidence.begin(), object.geometry.maps[0].confidence.end(), 0.f);
+  EXPECT_THAT(masks(), testing::ElementsAre(0, 0, 0)) << "but not where it could not be aligned";
 }
 
 TEST(SettleUnion, DrawsFromOnePile) {

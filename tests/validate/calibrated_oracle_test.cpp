@@ -175,7 +175,9 @@ TEST(ChooseChunk, IsEightOrWhatTheMemoryHolds) {
                                                                      HasSubstr("--set oracle-chunk=3"))));
   EXPECT_EQ(ChooseChunk(bytes, {20, 8, 40}, mebibytes(13), recorder.AsListener()), 20u);
   EXPECT_THAT(recorder.warnings.back(), testing::AllOf(HasSubstr("--set oracle-chunk=20"), HasSubstr("are free")));
-  EXPECT_THAT(MessageOf<RunError>([&] { ChooseChunk(bytes, {{}, 8, 40}, mebibytes(10), Silent()); }),
+  EXPECT_THAT(MessageOf<RunError>([&] {
+                ChooseChunk(bytes, {{}, 8, 40}, mebibytes(10), Silent());
+              }),
               testing::AllOf(HasSubstr("for one proposal beside an image"), HasSubstr("--oracle consistency")));
 }
 

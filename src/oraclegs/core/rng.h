@@ -53,7 +53,7 @@ enum class RandomStream : uint64_t {
   kPseudoViews = 24,
   kSplit = 25,  // of Gaussians in two
   kBackground = 26,
-  kOraclePass = 27,  // of the images of VGGT's passes
+  kOraclePass = 27,    // of the images of VGGT's passes
   kSecondMotion = 31,  // of samples of matches
 };
 

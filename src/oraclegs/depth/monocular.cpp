@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/depth/local_warp.h"
@@ -111,6 +112,18 @@ void Fill(const std::vector<float>& guess, float nearest, float confidence, cons
   });
 }
 
+/// A map of the guess alone, with name and camera of `frame`.
+DepthMap FilledAlone(const DepthMap& frame, const std::vector<float>& guess, float nearest, double confidence,
+                     const AllowedPixels& allowed) {
+  DepthMap map;
+  map.name = frame.name, map.camera = frame.camera;
+  map.inv_depth.assign(guess.size(), 0);
+  map.confidence.assign(guess.size(), 0);
+  map.normals.assign(guess.size(), Eigen::Vector3f::Zero());
+  Fill(guess, nearest, static_cast<float>(confidence), allowed, &map);
+  return map;
+}
+
 float Nearest(const std::vector<KnownDepth>& known) {
   double nearest = 0;
   for (const KnownDepth& k : known) nearest = std::max(nearest, k.inv_depth);
@@ -130,14 +143,16 @@ std::vector<KnownDepth> ConfidentDepths(const DepthMap& stereo) {
 
 MonocularDepth AlignedDepth(const DepthMap& frame, const RelativeDepth& relative, const Alignment& alignment,
                             const std::vector<KnownDepth>& known, const AllowedPixels& allowed) {
-  MonocularDepth out;
-  out.right = ShareRight(relative, alignment, known);
-  out.map.name = frame.name, out.map.camera = frame.camera;
-  out.map.inv_depth.assign(relative.values.size(), 0);
-  out.map.confidence.assign(relative.values.size(), 0);
-  out.map.normals.assign(relative.values.size(), Eigen::Vector3f::Zero());
-  Fill(Aligned(relative, alignment), kBeforeNearest * Nearest(known), static_cast<float>(out.right), allowed, &out.map);
-  return out;
+  const double right = ShareRight(relative, alignment, known);
+  return {FilledAlone(frame, Aligned(relative, alignment), kBeforeNearest * Nearest(known), right, allowed), right};
+}
+
+MonocularDepth WholeDepth(const DepthMap& frame, const RelativeDepth& relative, const Alignment& alignment,
+                          const std::vector<KnownDepth>& known, const AllowedPixels& allowed) {
+  const double right = ShareRight(relative, alignment, known);
+  return {FilledAlone(frame, Aligned(relative, alignment), std::numeric_limits<float>::infinity(),
+                      std::max(right, kLeastOfWhole), allowed),
+          right};
 }
 
 MonocularDepth FusedDepth(const DepthMap& stereo, const RelativeDepth& relative, const Alignment& alignment,

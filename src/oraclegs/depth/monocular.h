@@ -30,6 +30,12 @@ using AllowedPixels = std::vector<uint8_t>;
 MonocularDepth AlignedDepth(const DepthMap& frame, const RelativeDepth& relative, const Alignment& alignment,
                             const std::vector<KnownDepth>& known, const AllowedPixels& allowed);
 
+/// Like AlignedDepth, but no depth is too near, and the confidence is at least kLeastOfWhole: for a loss that takes
+/// every map as it is.
+MonocularDepth WholeDepth(const DepthMap& frame, const RelativeDepth& relative, const Alignment& alignment,
+                          const std::vector<KnownDepth>& known, const AllowedPixels& allowed);
+inline constexpr double kLeastOfWhole = 0.02;
+
 /// The stereo map and, where it is not confident, the aligned map, corrected by the confident depths (local_warp.h)
 /// where there are enough. A quarter of the image's confident cells is held out first, to measure how often the
 /// corrected map is right; that fraction, at most kMaxBesideStereo, is the confidence of the network's pixels.

@@ -15,7 +15,8 @@ void RequireLayers(const RunOptions& options, const VggtWeights& weights) {
 /// out of it, and its views differ in size.
 void RequirePass(const ValidateOptions& options) {
   if (options.oracle_pass == OraclePass::kChunk) return;
-  if (options.oracle == OracleKind::kVggt && options.oracle_mode == AttentionMode::kOfficial && !options.calibrate) return;
+  if (options.oracle == OracleKind::kVggt && options.oracle_mode == AttentionMode::kOfficial && !options.calibrate)
+    return;
   throw UsageError(
       "--set oracle-pass=all: needs --oracle vggt, --set oracle-mode=official and --set calibrate=false, as "
       "--preset paper-mipnerf360-12 sets them");

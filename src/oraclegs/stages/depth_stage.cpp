@@ -25,6 +25,11 @@ constexpr double kMinConfidentShare = 0.02;  // of a view's pixels, below which 
 constexpr double kMinPromised = .3;          // of the pixels: where fewer are seen twice, little depth is no wonder
 constexpr double kMinKept = .35;             // of these: textureless rooms keep more (docs/method.md#depth-confidence)
 
+/// The paper's depth loss takes the network's maps whole.
+bool IsWhole(const Run& run) {
+  return run.plan.depth.prior == DepthPrior::kMonocular && run.options.train.depth_loss == DepthLoss::kPaper;
+}
+
 /// The device is no part of it, as of no stage's: it may differ when a run is continued, and depth that another device
 /// found is right in the same measure, if not in the same bits. The stage's record says which one it was.
 void AddDepthKey(Run* run, Fingerprint* key) {
@@ -33,6 +38,7 @@ void AddDepthKey(Run* run, Fingerprint* key) {
   key->Add(OptionsToJson(run->options.image).dump()).Add(OptionsToJson(run->options.stereo).dump());
   if (source.HasNetwork()) {
     key->Add(kMonocularVersion).Add(Word(source.prior)).Add(run->files.Of(source.weights));
+    if (IsWhole(*run)) key->Add("whole");
   }
 }
 
@@ -86,7 +92,7 @@ MonocularMaps FindDepth(const Run& run, const TrainingViews& training) {
     maps = EstimateDepth(views, seen, run.options.stereo, MakePlaneSearch(run.plan.device).get(), run.listener);
   }
   if (!source.HasNetwork()) return {std::move(maps), 0};
-  return WithMonocularDepth(predicted, views, std::move(maps), seen, run.listener);
+  return WithMonocularDepth({predicted, IsWhole(run)}, views, std::move(maps), seen, run.listener);
 }
 
 double MeanConfidentShare(const std::vector<DepthMap>& maps) {

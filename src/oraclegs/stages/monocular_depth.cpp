@@ -3,15 +3,12 @@
 #include <utility>
 
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/depth/silhouettes.h"
 #include "oraclegs/networks/loader.h"
 #include "oraclegs/settings/device.h"
 
 namespace oraclegs {
-namespace {
 
-/// The pixels that a view's mask and its object's silhouette allow.
-AllowedPixels Allowed(const LoadedView& view, const Silhouettes& silhouettes, size_t v) {
+AllowedPixels PixelsWithDepth(const LoadedView& view, const Silhouettes& silhouettes, size_t v) {
   AllowedPixels allowed = view.mask;
   if (silhouettes.empty()) return allowed;
   const std::vector<uint8_t>& object = silhouettes.Object(v);
@@ -19,8 +16,6 @@ AllowedPixels Allowed(const LoadedView& view, const Silhouettes& silhouettes, si
   for (size_t i = 0; i < allowed.size(); ++i) allowed[i] = allowed[i] != 0 && object[i] != 0 ? 1 : 0;
   return allowed;
 }
-
-}  // namespace
 
 std::vector<RelativeDepth> PredictRelativeDepth(const std::filesystem::path& weights,
                                                 const std::vector<LoadedView>& views, const Listener& listener,
@@ -42,9 +37,10 @@ bool IsNonCommercialDepthNetwork(const std::string& name) {
   return name.ends_with(" base") || name.ends_with(" large");
 }
 
-MonocularMaps WithMonocularDepth(const std::vector<RelativeDepth>& predicted, const std::vector<LoadedView>& views,
+MonocularMaps WithMonocularDepth(const NetworkDepth& network, const std::vector<LoadedView>& views,
                                  std::vector<DepthMap> stereo, const std::vector<ScenePoint>& points,
                                  const Listener& listener) {
+  const std::vector<RelativeDepth>& predicted = network.predicted;
   const bool fused = !stereo.empty();
   std::vector<std::vector<KnownDepth>> known;
   for (size_t v = 0; v < views.size(); ++v) {
@@ -71,9 +67,10 @@ MonocularMaps WithMonocularDepth(const std::vector<RelativeDepth>& predicted, co
       out.maps.push_back(fused ? std::move(stereo[v]) : AlignedDepth(frame, predicted[v], {}, {}, {}).map);
       continue;
     }
-    const AllowedPixels allowed = Allowed(views[v], silhouettes, v);
+    const AllowedPixels allowed = PixelsWithDepth(views[v], silhouettes, v);
+    const auto alone = network.is_whole ? WholeDepth : AlignedDepth;
     MonocularDepth depth = fused ? FusedDepth(stereo[v], predicted[v], alignments[v], known[v], allowed)
-                                 : AlignedDepth(frame, predicted[v], alignments[v], known[v], allowed);
+                                 : alone(frame, predicted[v], alignments[v], known[v], allowed);
     out.right += depth.right / static_cast<double>(views.size());
     out.maps.push_back(std::move(depth.map));
   }

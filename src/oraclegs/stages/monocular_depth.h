@@ -8,6 +8,7 @@
 #include "oraclegs/core/device.h"
 #include "oraclegs/core/progress.h"
 #include "oraclegs/depth/monocular.h"
+#include "oraclegs/depth/silhouettes.h"
 #include "oraclegs/scene/loaded_view.h"
 
 namespace oraclegs {
@@ -18,6 +19,9 @@ std::vector<RelativeDepth> PredictRelativeDepth(const std::filesystem::path& wei
                                                 const std::vector<LoadedView>& views, const Listener& listener,
                                                 Device device = kCpu);
 
+/// Pixels that a view's mask and its object's silhouette allow; empty = all.
+AllowedPixels PixelsWithDepth(const LoadedView& view, const Silhouettes& silhouettes, size_t v);
+
 /// By DepthNetworkName: "small" is Apache-2.0, "base" and "large" are CC-BY-NC-4.0 (docs/models.md).
 bool IsNonCommercialDepthNetwork(const std::string& name);
 
@@ -26,10 +30,16 @@ struct MonocularMaps {
   double right = 0;  ///< mean over the views of the share that was right (depth/monocular.h)
 };
 
+/// What the network predicted for each view.
+struct NetworkDepth {
+  const std::vector<RelativeDepth>& predicted;
+  bool is_whole = false;  ///< kMonocular: taken whole (WholeDepth), as the paper's depth loss does
+};
+
 /// Maps as DepthPrior::kMonocular or kFused asks. `stereo` are the views' maps, for kMonocular empty; `points` have
 /// indices into `views`. Where too few points were seen, the network's depth is aligned to stereo. Warns of views whose
 /// network depth fits neither, which keep stereo's depth, or have none.
-MonocularMaps WithMonocularDepth(const std::vector<RelativeDepth>& predicted, const std::vector<LoadedView>& views,
+MonocularMaps WithMonocularDepth(const NetworkDepth& network, const std::vector<LoadedView>& views,
                                  std::vector<DepthMap> stereo, const std::vector<ScenePoint>& points,
                                  const Listener& listener);
 

@@ -40,14 +40,24 @@ Buffer<float> ToMap(const std::vector<float>& values, const Camera& camera) {
 }
 
 /// The depth map as a target; what stereo is not confident of is ignored, what a network predicted in its place counts
-/// as much as its confidence, or in the paper's loss as 1.
-void AddDepth(const DepthMap& map, DepthLoss loss, TrainView* view) {
+/// as much as its confidence.
+void AddDepth(const DepthMap& map, TrainView* view) {
   view->inv_depth = ToMap(map.inv_depth, map.camera);
   view->depth_mask = ToMap(map.confidence, map.camera);
   const float least = map.monocular ? 0.f : kConfident;
   for (float& confidence : view->depth_mask.span()) {
     if (confidence < least) confidence = 0;
-    if (loss == DepthLoss::kPaper && confidence > 0) confidence = 1;
+  }
+}
+
+/// The mask of equation 5: 0 or 1. A network's map that was aligned is taken wherever the view's own mask allows; what
+/// it puts behind infinity, where the map has no depth, is to be there.
+void TakeWhole(const DepthMap& map, const AllowedPixels& allowed, TrainView* view) {
+  const std::span<float> mask = view->depth_mask.span();
+  const bool is_aligned = map.monocular && std::any_of(mask.begin(), mask.end(), [](float c) { return c > 0; });
+  for (size_t i = 0; i < mask.size(); ++i) {
+    const bool counts = is_aligned ? allowed.empty() || allowed[i] != 0 : mask[i] > 0;
+    mask[i] = counts ? 1 : 0;
   }
 }
 
@@ -124,8 +134,12 @@ std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geome
   for (size_t v = 0; v < training.views.size(); ++v) {
     views.push_back(ToTrainView(training.views[v]));
     if (!geometry.maps.empty()) {
-      AddDepth(geometry.maps[v], depth_loss, &views.back());
-      if (!silhouettes.empty() && depth_loss != DepthLoss::kPaper) AddEmptiness(silhouettes, v, &views.back());
+      AddDepth(geometry.maps[v], &views.back());
+      if (depth_loss == DepthLoss::kPaper) {
+        TakeWhole(geometry.maps[v], PixelsWithDepth(training.views[v], silhouettes, v), &views.back());
+      } else if (!silhouettes.empty()) {
+        AddEmptiness(silhouettes, v, &views.back());
+      }
     }
     if (!geometry.gains.empty()) views.back().exposure = Diagonal(geometry.gains[v]);
   }

@@ -159,8 +159,8 @@ struct TrainOptions {
           Range{0, 1e3});
     visit("depth-loss", self.depth_loss,
           "What the depth term compares: relative = as above, each pixel weighted by the confidence of its depth; "
-          "paper = |1/z - target| in units of the run, all pixels of known depth alike (equation 5 of the OracleGS "
-          "paper)",
+          "paper = |1/z - target| in units of the run, all pixels of a network's depth alike, what it puts beyond "
+          "infinity at 0 (equation 5 of the OracleGS paper)",
           Tier::kSetting);
     visit("alpha-weight", self.alpha_weight,
           "Weight of the alpha (silhouette) loss where images have an alpha channel: mean |alpha - rendered|; 0 = off",

@@ -54,8 +54,8 @@ std::vector<ConfidenceMap> VggtOracle::PredictShuffled(const std::vector<Query>&
         asked.push_back(images.size());
         places.push_back(number - views_.size());
       }
-      images.push_back(ToImage8(number < views_.size() ? views_[number].rgb
-                                                       : queries[number - views_.size()].proposal.rgb));
+      images.push_back(
+          ToImage8(number < views_.size() ? views_[number].rgb : queries[number - views_.size()].proposal.rgb));
     }
     if (asked.empty()) continue;
     const std::vector<Buffer<float>> answers = network_->Confidence(images, asked);

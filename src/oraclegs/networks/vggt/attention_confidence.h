@@ -18,8 +18,8 @@ struct WeightedAttention {
 AttentionQueries QueriesOf(AttentionMode mode);
 
 /// Confidence of each patch: [S, rows, cols] float32 in [0, sum of the weights]; large where the other views attend.
-/// Each layer's map is stretched to [0, 1] first; a constant map becomes 0. The attention must have QueriesOf(mode). Throws
-/// ShapeError, for kOthers also when there is only one view.
+/// Each layer's map is stretched to [0, 1] first; a constant map becomes 0. The attention must have QueriesOf(mode).
+/// Throws ShapeError, for kOthers also when there is only one view.
 Tensor PatchConfidence(const std::vector<WeightedAttention>& layers, AttentionMode mode, const PatchGrid& grid);
 
 /// [S, rows, cols] -> [S, height, width]: bilinear, half-pixel centers, edges clamped.
