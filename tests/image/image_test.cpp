@@ -138,5 +138,18 @@ TEST(CheckImageSize, RefusesMoreThanItIsAllowed) {
   SetMaxMegapixels(kUsualMaxMegapixels);
 }
 
+TEST(ResizeLikePillow, MatchesPillow) {
+  // Image.fromarray(np.array([[0, 40, 200, 255, 10]], np.uint8)).resize((3, 1), Image.BICUBIC)
+  const Image8 row{5, 1, 1, {0, 40, 200, 255, 10}};
+  EXPECT_THAT(ResizeLikePillow(row, 3, 1).data, testing::ElementsAre(10, 189, 118));
+  EXPECT_THAT(ResizeLikePillow(row, 8, 1).data, testing::ElementsAre(0, 8, 47, 154, 235, 255, 109, 0));
+  EXPECT_EQ(ResizeLikePillow(row, 5, 1).data, row.data);
+}
+
+TEST(ResizeLikePillow, RefusesAnEmptyImage) {
+  EXPECT_THROW(ResizeLikePillow({4, 4, 1, std::vector<uint8_t>(16)}, 0, 3), ShapeError);
+  EXPECT_THROW(ResizeLikePillow({}, 2, 3), ShapeError);
+}
+
 }  // namespace
 }  // namespace oraclegs

@@ -53,4 +53,8 @@ Image8 ToImage8(const ImageF& image);
 /// interpolated linearly). Intrinsics scale by new/old per axis.
 ImageF ResizeArea(const ImageF& image, int width, int height);
 
+/// Pillow's bicubic filter (antialiased when shrinking, 8 bits between the passes), bit for bit. Throws ShapeError when
+/// a size is not positive.
+Image8 ResizeLikePillow(const Image8& image, int width, int height);
+
 }  // namespace oraclegs

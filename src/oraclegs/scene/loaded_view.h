@@ -38,10 +38,21 @@ struct EnumWords<SmallerCopies> {
                                                        {SmallerCopies::kRequired, "required"}};
 };
 
+/// Filter that reduces the photos.
+enum class ResizeFilter {
+  kArea,    ///< area average, of floats
+  kPillow,  ///< Pillow's bicubic filter, of bytes: what the programs of other papers train and score with
+};
+template <>
+struct EnumWords<ResizeFilter> {
+  static constexpr EnumWord<ResizeFilter> kWords[] = {{ResizeFilter::kArea, "area"}, {ResizeFilter::kPillow, "pillow"}};
+};
+
 struct ImageOptions {
   Auto<int> downscale = {};  ///< whole factor; auto = 1
   Auto<int> max_size = {};   ///< pixels of the longer side; auto and 0 = no limit
   SmallerCopies smaller_copies = SmallerCopies::kWhereFound;
+  ResizeFilter resize = ResizeFilter::kArea;
   Background background = Background::kBlack;
 
   template <class Self, class V>
@@ -57,6 +68,10 @@ struct ImageOptions {
     visit("smaller-copies", self.smaller_copies,
           "For --downscale N: auto = the dataset's own images_N where it has one, else the photos, resized; required = "
           "an error where there is none, for scores that compare with published ones",
+          Tier::kSetting);
+    visit("resize", self.resize,
+          "Filter that reduces the photos, training and test photos alike: area = exact averages of areas; pillow = "
+          "Pillow's bicubic filter at 8 bits, with which the scores of papers are made",
           Tier::kSetting);
     visit("background", self.background, "Color behind transparent pixels and behind the scene");
   }
@@ -75,7 +90,7 @@ struct LoadedView {
 };
 
 /// Loads the given views of a scene with poses, in their order, on all threads. Undistortion happens at full size, then
-/// the area filter; WorkingSize has the sizes. The alpha channel of a Blender scene composites onto the background,
+/// the filter; WorkingSize has the sizes. The alpha channel of a Blender scene composites onto the background,
 /// which is part of what is scored, and is kept. In a scene of photos it is a mask: colors stay as they are stored
 /// (straight), alpha < 0.5 excludes the pixel, and more weighs it. A mask file excludes pixels below half of white. A
 /// file images_N/NAME beside images/NAME is read in its place when N = downscale and it has the working size.

@@ -3,100 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "oraclegs/core/parallel.h"
-
 namespace oraclegs::vggt {
 namespace {
 
-constexpr int kWeightBits = 22;
-constexpr int kRowsAtOnce = 16;
-
-/// Cubic convolution with parameter -1/2.
-double Cubic(double x) {
-  constexpr double kA = -0.5;
-  x = std::abs(x);
-  if (x < 1) return ((kA + 2) * x - (kA + 3)) * x * x + 1;
-  if (x < 2) return kA * (((x - 5) * x + 8) * x - 4);
-  return 0;
-}
-
-/// The taps of one output sample, in fixed point.
-struct Taps {
-  int begin = 0;
-  std::vector<int64_t> weights;
-};
-
-std::vector<Taps> MakeTaps(int n, int m) {
-  const double step = static_cast<double>(n) / m, stretch = std::max(step, 1.0), reach = 2 * stretch;
-  std::vector<Taps> out(static_cast<size_t>(m));
-  for (int i = 0; i < m; ++i) {
-    const double center = (i + 0.5) * step;
-    const int low = std::max(static_cast<int>(center - reach + 0.5), 0);
-    const int high = std::min(static_cast<int>(center + reach + 0.5), n);
-    std::vector<double> weights;
-    double sum = 0;
-    for (int j = low; j < high; ++j) {
-      weights.push_back(Cubic((j + 0.5 - center) / stretch));
-      sum += weights.back();
-    }
-    Taps& taps = out[static_cast<size_t>(i)];
-    taps.begin = low;
-    for (const double w : weights) taps.weights.push_back(std::llround(w / sum * (1 << kWeightBits)));
-  }
-  return out;
-}
-
-uint8_t Rounded(int64_t fixed) {
-  return static_cast<uint8_t>(std::clamp<int64_t>((fixed + (int64_t{1} << (kWeightBits - 1))) >> kWeightBits, 0, 255));
-}
-
-Image8 Sized(int width, int height, int channels) {
-  return {width, height, channels, std::vector<uint8_t>(static_cast<size_t>(width) * height * channels)};
-}
-
-Image8 ResizeWidth(const Image8& in, int width) {
-  Image8 out = Sized(width, in.height, in.channels);
-  const std::vector<Taps> all = MakeTaps(in.width, width);
-  ParallelBlocks(in.height, kRowsAtOnce, [&](int64_t begin, int64_t end) {
-    for (int64_t y = begin; y < end; ++y) {
-      const uint8_t* row = in.data.data() + y * in.width * in.channels;
-      uint8_t* to = out.data.data() + y * width * in.channels;
-      for (const Taps& taps : all) {
-        for (int c = 0; c < in.channels; ++c) {
-          int64_t sum = 0;
-          for (size_t j = 0; j < taps.weights.size(); ++j) {
-            sum += taps.weights[j] * row[(static_cast<size_t>(taps.begin) + j) * in.channels + c];
-          }
-          *to++ = Rounded(sum);
-        }
-      }
-    }
-  });
-  return out;
-}
-
-Image8 ResizeHeight(const Image8& in, int height) {
-  Image8 out = Sized(in.width, height, in.channels);
-  const std::vector<Taps> all = MakeTaps(in.height, height);
-  const size_t stride = static_cast<size_t>(in.width) * in.channels;
-  ParallelBlocks(height, kRowsAtOnce, [&](int64_t begin, int64_t end) {
-    for (int64_t y = begin; y < end; ++y) {
-      const Taps& taps = all[static_cast<size_t>(y)];
-      for (size_t x = 0; x < stride; ++x) {
-        int64_t sum = 0;
-        for (size_t j = 0; j < taps.weights.size(); ++j) {
-          sum += taps.weights[j] * in.data[(static_cast<size_t>(taps.begin) + j) * stride + x];
-        }
-        out.data[static_cast<size_t>(y) * stride + x] = Rounded(sum);
-      }
-    }
-  });
-  return out;
-}
-
 Image8 OverWhite(const Image8& image) {
   if (image.channels == 3) return image;
-  Image8 out = Sized(image.width, image.height, 3);
+  Image8 out{image.width, image.height, 3, std::vector<uint8_t>(size_t{3} * image.width * image.height)};
   for (size_t i = 0; i < out.data.size() / 3; ++i) {
     const int alpha = image.data[4 * i + 3];
     for (size_t c = 0; c < 3; ++c) {
@@ -132,16 +44,6 @@ Tensor AsTensor(const Image8& image, const InputPlace& place, int64_t side) {
 }
 
 }  // namespace
-
-Image8 ResizeLikePillow(const Image8& image, int width, int height) {
-  if (width < 1 || height < 1 || image.width < 1 || image.height < 1) {
-    throw ShapeError("ResizeLikePillow: {} x {} to {} x {}", image.width, image.height, width, height);
-  }
-  Image8 out = image;
-  if (width != image.width) out = ResizeWidth(out, width);
-  if (height != image.height) out = ResizeHeight(out, height);
-  return out;
-}
 
 Input PrepareInput(const std::vector<Image8>& images, Fit fit, int64_t side, int64_t patch) {
   if (images.empty()) throw ShapeError("PrepareInput: there are no images");

@@ -30,8 +30,4 @@ struct Input {
 /// to the largest. Throws ShapeError for an empty list, an image without pixels, or another number of channels.
 Input PrepareInput(const std::vector<Image8>& images, Fit fit, int64_t side = 518, int64_t patch = 14);
 
-/// Pillow's bicubic filter (antialiased when shrinking, 8 bits between the passes), bit for bit. Throws ShapeError when
-/// a size is not positive.
-Image8 ResizeLikePillow(const Image8& image, int width, int height);
-
 }  // namespace oraclegs::vggt
