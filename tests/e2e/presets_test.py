@@ -8,6 +8,8 @@ from pathlib import Path
 from harness import ROOT, EndToEnd, main
 
 PRESETS = sorted((ROOT / "presets").glob("*.toml"))
+# A line or an equation of the paper, a file of its authors or of the code that they build on; or the list below the table.
+SOURCE = r"^(Blender: )?(L\d+|eq\. \d|((mcmc|seva|3dgs) )?`[a-z_]+(\.py)?`|`README.md`|ours, see below)([,;] |$)"
 PAPER = ["paper-mipnerf360-12", "paper-mipnerf360-24", "paper-blender-8"]
 
 
@@ -36,17 +38,18 @@ def same(a, b):
 class Presets(EndToEnd):
     def test_the_papers_are_the_paper(self):
         text = (ROOT / "docs/method.md").read_text().partition("\n## paper presets\n")[2].partition("\n## ")[0]
-        rows = re.findall(r"^\| (.+?) \| (.+?) \| `--(?:set )?([a-z0-9-]+)` \| (\S+) \| (\S+) \| (\S+) \|$", text, re.M)
-        self.assertEqual(len(rows), text.count("`--") - text.count("`--preset") - text.count("`--depth-weights"))
+        rows = re.findall(r"^\| (.+?) \| (.+?) \| (.+?) \| `--(?:set )?([a-z0-9-]+)` \| (\S+) \| (\S+) \| (\S+) \|$", text, re.M)
+        self.assertEqual(len(rows), len(re.findall(r"(?m)^\| .*`--", text)))
         usual = defaults()
         given = [preset(name) for name in PAPER]
-        for setting, paper, option, *expected in rows:
+        for setting, paper, source, option, *expected in rows:
+            self.assertRegex(source, SOURCE, setting)
             have = [word(p.get(option, usual.get(option, "nothing"))) for p in given]
             print(f"{setting:52} {paper:38} --{option:20} {' '.join(f'{h:14}' for h in have)}")
             for name, want, is_there in zip(PAPER, expected, have, strict=True):
                 with self.subTest(preset=name, setting=setting):
                     self.assertTrue(same(want, is_there), f"--{option} is {is_there}, the paper's is {want}")
-        listed = {option for _, _, option, *_ in rows}
+        listed = {option for _, _, _, option, *_ in rows}
         for name, options in zip(PAPER, given, strict=True):
             self.assertEqual(set(options) - listed - {"train-views", "test-views", "force"}, set(), f"{name}: not in the table")
 

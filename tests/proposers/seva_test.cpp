@@ -76,6 +76,22 @@ TEST_F(SevaStageTest, GeneratesCandidatesOfEveryTarget) {
   EXPECT_EQ(run.workspace.Record("propose").at("non_commercial"), nlohmann::json::array({"Stable Virtual Camera"}));
 }
 
+TEST_F(SevaStageTest, ProposalsMayKeepTheGeneratorsSize) {
+  RunRequest request = SevaRequestOf("own_size", ProposerChoice::kSeva);
+  request.options.propose.proposal_size = ProposalSize::kOwn;
+  request.options.validate.oracle = OracleKind::kUniform;
+  auto run = StartRun(request, recorder.AsListener());
+  const StageResults& known = Bring(&run, "validate");
+  ASSERT_EQ(known.proposals.size(), 3u);
+  const Camera& photo = ViewsOf(&run).views[0].camera;
+  for (const TrainView& view : known.proposals) {
+    EXPECT_EQ(view.camera.width, 64) << "80 x 60 in 64 x 64";
+    EXPECT_EQ(view.camera.height, 48);
+    EXPECT_NEAR(view.camera.fx / photo.fx, 0.8, 1e-9);
+    EXPECT_EQ(view.image.shape(), (Shape{48, 64, 3}));
+  }
+}
+
 TEST_F(SevaStageTest, GoesOnBehindTheLastFinishedChunk) {
   int64_t done = 0, total = 0, stop_after = 0;
   const Listener listener = [&](const Event& event) {

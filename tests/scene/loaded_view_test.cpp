@@ -111,6 +111,23 @@ TEST(LoadViews, UndistortsDownscaledAndFullFilesAlike) {
   EXPECT_NE(full.rgb.data, small.rgb.data);
 }
 
+TEST(LoadViews, ReducesAsPillowDoesWhereAskedTo) {
+  OneView photo(13, 9), object(6, 4, SceneFormat::kBlender);
+  const Image8 image = SmoothImage(13, 9, 3);
+  photo.Write(image);
+  const LoadedView loaded = photo.Load({.downscale = 2, .resize = ResizeFilter::kPillow});
+  EXPECT_EQ(ToImage8(loaded.rgb).data, ResizeLikePillow(image, 7, 5).data);
+  EXPECT_NE(loaded.rgb.data, photo.Load({.downscale = 2}).rgb.data);
+  EXPECT_EQ(photo.Load({.resize = ResizeFilter::kPillow}).rgb.data, photo.Load().rgb.data) << "nothing is reduced";
+  object.Write(Filled(6, 4, {200, 100, 7, 128}));
+  const LoadedView half =
+      object.Load({.downscale = 2, .resize = ResizeFilter::kPillow, .background = Background::kWhite});
+  // int(255 * (200 / 255 * 128 / 255 + 127 / 255)): cut off, as bytes are where the public code composites.
+  EXPECT_EQ(ToImage8(half.rgb).data[0], 227);
+  EXPECT_EQ(ToImage8(half.rgb).data[2], 130);
+  EXPECT_NEAR(half.alpha[0], 128 / 255., 1e-6);
+}
+
 TEST(LoadViews, CompositesBeforeFiltering) {
   OneView one(2, 2, SceneFormat::kBlender);
   Image8 image = Filled(2, 2, {255, 0, 0, 255});

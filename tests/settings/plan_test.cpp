@@ -69,6 +69,13 @@ TEST(ChooseOracle, AllowsAPassOverAllOnlyWhereNothingIsHeldOutAndSizesMayDiffer)
   EXPECT_THROW(ChooseOracle(options), InputError) << "the weights are all that is missing";
 }
 
+TEST(MakePlan, RefusesTheSizeOfAGeneratorThatIsNotAsked) {
+  RunOptions options;
+  options.propose.proposal_size = ProposalSize::kOwn;
+  EXPECT_THAT(MessageOf<UsageError>([&] { MakePlan(options, true); }),
+              AllOf(HasSubstr("proposal-size=own"), HasSubstr("seva")));
+}
+
 TEST(ChooseOracle, RefusesLayersThatTheNetworkLacks) {
   const TempDir dir;
   RunOptions options = With(OracleKind::kVggt);

@@ -21,5 +21,21 @@ TEST(ViewsOf, LoadsTheTrainingViewsOnce) {
   EXPECT_EQ(recorder.steps.size(), steps);
 }
 
+TEST(LargerViews, AreReadWhereTheWorkingSizeHasTooFewPixels) {
+  const TempDir temp;
+  RunRequest request = TinyRequest(MakeTinyScene(temp / "scene"), temp / "out");
+  request.options.image.downscale = 2;
+  auto run = StartRun(request, Silent());
+  EXPECT_FALSE(LargerViews(run, 18)) << "24 x 18 suffice";
+  const auto larger = LargerViews(run, 30);
+  ASSERT_TRUE(larger);
+  ASSERT_EQ(larger->size(), run.split.train.size());
+  EXPECT_EQ(larger->front().rgb.width, 48);
+  EXPECT_EQ(larger->front().camera.height, 36);
+  EXPECT_EQ(larger->front().name, ViewsOf(&run).views.front().name);
+  run.options.image.downscale = 1;
+  EXPECT_FALSE(LargerViews(run, 100)) << "the files have no more";
+}
+
 }  // namespace
 }  // namespace oraclegs

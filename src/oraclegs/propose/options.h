@@ -17,10 +17,21 @@ struct EnumWords<ProposerChoice> {
       {ProposerChoice::kNone, "none"}};
 };
 
+/// Size of the proposals.
+enum class ProposalSize {
+  kView,  ///< of the photos
+  kOwn,   ///< at which the generator works
+};
+template <>
+struct EnumWords<ProposalSize> {
+  static constexpr EnumWord<ProposalSize> kWords[] = {{ProposalSize::kView, "view"}, {ProposalSize::kOwn, "own"}};
+};
+
 struct ProposeOptions {
   Auto<ProposerChoice> proposers = {};  ///< see Choice
   std::string generator;
   std::filesystem::path proposal_folder;
+  ProposalSize proposal_size = ProposalSize::kView;
   int proxy_models = 2;
   double proxy_share = 0.2;
   Auto<double> proxy_finish;  ///< see ProxyFinish
@@ -40,6 +51,10 @@ struct ProposeOptions {
     visit("proposal-folder", self.proposal_folder,
           "Also train on these views, made by any other generator: images with transforms.json, or synthetic_N/ named "
           "like the scene's images, with synthetic_N_attention_maps/ as their confidence");
+    visit("proposal-size", self.proposal_size,
+          "Size of the proposed views: view = of the photos; own = at which seva works (--seva-short-side), so that the "
+          "loss sees its pixels as they are",
+          Tier::kSetting);
     visit("proxy-models", self.proxy_models,
           "Proxy models to train for splat; of few photos more, so that each sees three", Range{2, 16}, Tier::kSetting);
     visit("proxy-share", self.proxy_share,

@@ -1,5 +1,6 @@
 #include "oraclegs/proposers/proposer_rows.h"
 
+#include "oraclegs/networks/seva_size.h"
 #include "oraclegs/propose/generator.h"
 #include "oraclegs/propose/stored_proposer.h"
 #include "oraclegs/proposers/proxy_models.h"
@@ -56,10 +57,16 @@ ProposerRow SevaRow() {
           .sees_anything = true,
           .non_commercial = kSevaName,
           .wanted = Uses<ProposerChoice::kSeva>,
+          .own_size =
+              [](const Run& run, PixelSize view) {
+                const seva::Size size = seva::GeneratedSize({view.width, view.height}, run.options.seva.short_side);
+                return PixelSize{static_cast<int>(size.width), static_cast<int>(size.height)};
+              },
           .own = [](const Run& run, Fingerprint* key) { key->Add(SevaKey(run.options.seva)); },
           .prepare =
               [](Run* run, const std::string& key) {
-                GenerateViews({ViewsOf(run).views, run->results->targets, key, run->options.seva,
+                const auto larger = LargerViews(*run, run->options.seva.short_side);
+                GenerateViews({larger ? *larger : ViewsOf(run).views, run->results->targets, key, run->options.seva,
                                run->workspace.proposals(), run->plan.device},
                               run->listener);
               },

@@ -82,6 +82,9 @@ Plan MakePlan(const RunOptions& options, bool has_poses) {
     plan.poses = RequireVggtWeights(options.weights.vggt_weights, "--poses vggt");
     RequireNetworksLibrary("--poses vggt");
   }
+  if (options.propose.proposal_size == ProposalSize::kOwn && !plan.Uses(options, ProposerChoice::kSeva)) {
+    throw UsageError("--set proposal-size=own: only --proposers seva has a size of its own");
+  }
   if (plan.Uses(options, ProposerChoice::kSeva)) {
     RequireNetworksLibrary("--proposers " + Word(options.propose.Choice()));
   }

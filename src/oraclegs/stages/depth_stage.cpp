@@ -20,7 +20,8 @@
 namespace oraclegs {
 namespace {
 
-constexpr int kMonocularVersion = 1;         // likewise, of maps in which a network takes part
+constexpr int kMonocularVersion = 2;         // likewise, of maps in which a network takes part
+constexpr int kDepthNetworkSide = 518;       // that Depth Anything reads of the shorter side
 constexpr double kMinConfidentShare = 0.02;  // of a view's pixels, below which next to nothing is known
 constexpr double kMinPromised = .3;          // of the pixels: where fewer are seen twice, little depth is no wonder
 constexpr double kMinKept = .35;             // of these: textureless rooms keep more (docs/method.md#depth-confidence)
@@ -80,13 +81,26 @@ Geometry ReadGeometry(const Run& run, const std::vector<LoadedView>& views) {
   return geometry;
 }
 
+/// Brings what was predicted for larger images to the views' size.
+void FitToViews(const std::vector<LoadedView>& views, std::vector<RelativeDepth>* predicted) {
+  for (size_t v = 0; v < views.size(); ++v) {
+    RelativeDepth& map = (*predicted)[v];
+    ImageF small = ResizeArea({map.width, map.height, 1, std::move(map.values)}, views[v].rgb.width, views[v].rgb.height);
+    map = {small.width, small.height, std::move(small.data)};
+  }
+}
+
 /// The maps as they will be written, and how often the network was right.
 MonocularMaps FindDepth(const Run& run, const TrainingViews& training) {
   const DepthSource& source = run.plan.depth;
   const std::vector<LoadedView>& views = training.views;
   const std::vector<ScenePoint> seen = SeenByTrainingViews(run);
   std::vector<RelativeDepth> predicted;  // first: a damaged file is reported at once
-  if (source.HasNetwork()) predicted = PredictRelativeDepth(source.weights, views, run.listener, run.plan.device);
+  if (source.HasNetwork()) {
+    const auto larger = LargerViews(run, kDepthNetworkSide);
+    predicted = PredictRelativeDepth(source.weights, larger ? *larger : views, run.listener, run.plan.device);
+    if (larger) FitToViews(views, &predicted);
+  }
   std::vector<DepthMap> maps;
   if (source.prior != DepthPrior::kMonocular) {
     maps = EstimateDepth(views, seen, run.options.stereo, MakePlaneSearch(run.plan.device).get(), run.listener);

@@ -82,6 +82,18 @@ FolderProposals ReadFolder(const Run& run, const LoadedView& view) {
       run.listener);
 }
 
+/// Gives the targets the size at which the run's generator works.
+void TakeOwnSize(const Run& run, std::vector<Target>* targets) {
+  for (const ProposerRow& row : *run.proposer_rows) {
+    if (row.own_size == nullptr || !row.wanted(run)) continue;
+    for (Target& target : *targets) {
+      const PixelSize size = row.own_size(run, {target.camera.width, target.camera.height});
+      target.camera = Resized(target.camera, size.width, size.height);
+    }
+    return;
+  }
+}
+
 std::vector<Target> OwnTargets(const Run& run, const Geometry& geometry) {
   TrajectoryRequest request;
   request.train = WorkingCameras(run.scene, run.split.train, run.options.image);
@@ -93,7 +105,9 @@ std::vector<Target> OwnTargets(const Run& run, const Geometry& geometry) {
   request.sees_anything = AsksGenerator(run);
   TrajectoryOptions trajectory = run.options.trajectory;
   if (trajectory.proposals.is_auto() && ProxiesAlonePropose(run)) trajectory.proposals = kProxyProposals;
-  return ChooseTargets(request, trajectory, run.listener);
+  std::vector<Target> targets = ChooseTargets(request, trajectory, run.listener);
+  if (run.options.propose.proposal_size == ProposalSize::kOwn) TakeOwnSize(run, &targets);
+  return targets;
 }
 
 /// Chooses what is proposed where. Deterministic, so that the choice of an earlier run is found again.

@@ -17,6 +17,8 @@ struct ProposerRow {
   bool stands_in = false;      ///< asked where no other one can hold a view out
   const char* non_commercial = "";  ///< network whose license forbids commercial use, also of what it makes
   bool (*wanted)(const Run& run) = nullptr;
+  /// Size at which it generates a view of the given size; null = of any size.
+  PixelSize (*own_size)(const Run& run, PixelSize view) = nullptr;
   /// Adds what proposals depend on beside the options of proposers, poses and images.
   void (*own)(const Run& run, Fingerprint* key) = nullptr;
   /// Has something paint all targets at once, before the proposers are made. `key`: that of stage "propose".

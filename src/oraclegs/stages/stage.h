@@ -84,6 +84,11 @@ struct Run {
 /// The training views, loaded when they are first asked for.
 const TrainingViews& ViewsOf(Run* run);
 
+/// The training views with more pixels, for a network that reads `shorter_side` of them: where the working size has
+/// fewer and the files have more, at the files' size, at most about twice what is read. Nothing where the working size
+/// suffices.
+std::optional<std::vector<LoadedView>> LargerViews(const Run& run, int shorter_side);
+
 /// Work of a stage and what is known of it; each *_stage.h has one.
 struct StageWork {
   bool (*wanted)(const Run& run);  ///< false: this run has no such stage, and its results are empty

@@ -3,33 +3,11 @@
 // (docs/method.md#seva-image-size).
 
 #include <Eigen/Core>
-#include <cstdint>
 
 #include "oraclegs/networks/common/tensor.h"
+#include "oraclegs/networks/seva_size.h"
 
 namespace oraclegs::seva {
-
-struct Size {
-  int64_t width = 576, height = 576;
-};
-
-/// Working size: the shorter side becomes `short_side`, the other keeps the aspect ratio; both are rounded to multiples
-/// of `stride`. Throws ShapeError unless all are positive.
-Size WorkingSize(const Size& original, int64_t short_side, int64_t stride = 64);
-
-enum class FitMode {
-  kCrop,  ///< fills the working image and cuts off what extends beyond two sides; for input images
-  kPad    ///< keeps the whole image, with two empty strips beside it; for targets, so that nothing is missing when they
-          ///< come back
-};
-
-/// Position of the resized image in the working image, in pixels of the working image.
-struct ImageFit {
-  Size original, resized, working;
-  int64_t left = 0, top = 0;  ///< corner of the resized image; negative where it extends beyond
-};
-/// Throws ShapeError for sizes that are not positive.
-ImageFit FitImage(const Size& original, const Size& working, FitMode mode);
 
 /// Intrinsics in pixels of the image -> fractions of the working image's width (row 0) and height (row 1).
 Eigen::Matrix3d FittedIntrinsics(const Eigen::Matrix3d& pixels, const ImageFit& fit);
