@@ -142,17 +142,23 @@ TEST_F(SevaStageTest, OtherOptionsAndWeightsGiveAnotherKey) {
   const ModelsAt own(dir.path());
   WriteTinySeva(dir.path());
   RunOptions options;
-  const std::string before = SevaKey(options.seva);
+  const auto key = [&] { return SevaKey(options.seva, FindSevaFiles(options.weights)); };
+  const std::string before = key();
   options.seva.seed = 24;
-  EXPECT_NE(SevaKey(options.seva), before);
+  EXPECT_NE(key(), before);
   options = {};
   options.seva.halves = seva::Halves::kInTurn;
-  EXPECT_EQ(SevaKey(options.seva), before) << "where it is computed is no reason to do it again";
+  EXPECT_EQ(key(), before) << "where it is computed is no reason to do it again";
+  options.weights.seva_weights = dir / "openclip-vith14/model.safetensors";
+  EXPECT_NE(key(), before) << "another file was named";
+  options.weights.seva_weights = dir / "nowhere.safetensors";
+  EXPECT_THAT(MessageOf<InputError>([&] { key(); }), HasSubstr("nowhere.safetensors: does not exist"));
+  options = {};
   fs::copy_file(dir / "seva/model.safetensors", dir / "sd21-vae/model.safetensors",
                 fs::copy_options::overwrite_existing);
-  EXPECT_NE(SevaKey(options.seva), before);
+  EXPECT_NE(key(), before);
   fs::remove(dir / "openclip-vith14/model.safetensors");
-  EXPECT_THAT(MessageOf<InputError>([&] { SevaKey(options.seva); }),
+  EXPECT_THAT(MessageOf<InputError>([&] { key(); }),
               HasSubstr("`oraclegs models fetch openclip-vith14`"));
 }
 

@@ -105,6 +105,18 @@ TEST(CheckPublished, ComparesTheChecksum) {
                                               HasSubstr("expected " + model.files[0].sha256))));
 }
 
+TEST(RefuseAnotherNetwork, NamesTheNetworkThatAFileIsPublishedAs) {
+  const TempDir dir;
+  const auto path = dir / "model.safetensors";
+  WriteFileAtomically(path, std::string(1000, 'x'));
+  WeightsInfo asked = WeightsNamed("seva");
+  EXPECT_NO_THROW(RefuseAnotherNetwork(asked, path, Silent())) << "far too short to be published";
+  asked.download_bytes = 1000;
+  EXPECT_NO_THROW(RefuseAnotherNetwork(asked, path, Silent())) << "nobody publishes it";
+  const WeightsInfo& shortest = WeightsNamed("sd21-vae");
+  EXPECT_NE(shortest.files[0].sha256, asked.files[0].sha256);
+}
+
 TEST(CheckPublished, IsNotPossibleForAllFiles) {
   EXPECT_FALSE(CheckPublished(WeightsNamed("lpips-alex"), "model.safetensors", Silent())) << "is converted";
   EXPECT_FALSE(CheckPublished(WeightsNamed("vggt-commercial"), "model.safetensors", Silent()))

@@ -27,12 +27,13 @@ bool IsSource(const std::string& folder) {
 
 }  // namespace
 
-SevaFiles FindSevaFiles() {
-  return {{RequireWeights(kSevaModels[0])}, RequireWeights(kSevaModels[1]), RequireWeights(kSevaModels[2])};
+SevaFiles FindSevaFiles(const WeightOptions& options) {
+  const fs::path unet = options.seva_weights.empty() ? RequireWeights(kSevaModels[0])
+                                                     : FindWeights(kSevaModels[0], options.seva_weights).front();
+  return {{unet}, RequireWeights(kSevaModels[1]), RequireWeights(kSevaModels[2])};
 }
 
-std::string SevaKey(const SevaOptions& options) {
-  const SevaFiles files = FindSevaFiles();
+std::string SevaKey(const SevaOptions& options, const SevaFiles& files) {
   nlohmann::json json = OptionsToJson(options);
   json.erase("seva-halves");  // how it fits into memory
   Fingerprint print;
@@ -51,7 +52,7 @@ void GenerateViews(const SevaRequest& request, const Listener& listener) {
   const Networks& networks = GetNetworks();
   const Device device = DeviceOfNetworks(networks, request.device, listener);
   const int64_t free = FreeBytes(device);
-  const auto generator = networks.LoadViewGenerator({FindSevaFiles(), request.options, device, free});
+  const auto generator = networks.LoadViewGenerator({request.files, request.options, device, free});
   ViewRequest wanted;
   wanted.views = &request.views;
   for (const Target& target : request.targets) wanted.targets.push_back(target.camera);

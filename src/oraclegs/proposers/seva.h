@@ -9,18 +9,20 @@
 #include "oraclegs/networks/networks.h"
 #include "oraclegs/propose/proposal.h"
 #include "oraclegs/scene/loaded_view.h"
+#include "oraclegs/settings/options.h"
 
 namespace oraclegs {
 
 /// As its authors call it. Its license forbids commercial use, also of the images that it makes.
 inline constexpr const char* kSevaName = "Stable Virtual Camera";
 
-/// Where its networks are (weights/folder.h). Throws InputError for the first that is not there.
-SevaFiles FindSevaFiles();
+/// Where its networks are: --set seva-weights, else weights/folder.h. Throws InputError for the first that is not
+/// there.
+SevaFiles FindSevaFiles(const WeightOptions& options);
 
-/// Stands for everything that generated views depend on beside images and targets. Throws as FindSevaFiles does, and
-/// InputError for files that are no weights.
-std::string SevaKey(const SevaOptions& options);
+/// Stands for everything that generated views depend on beside images and targets. Throws InputError for files that are
+/// no weights.
+std::string SevaKey(const SevaOptions& options, const SevaFiles& files);
 
 /// The source of candidate 0, 1, ...: "seva", "seva_2", ... It is their folder, too.
 std::string SevaSource(int candidate);
@@ -29,13 +31,14 @@ struct SevaRequest {
   const std::vector<LoadedView>& views;
   const std::vector<Target>& targets;
   std::string key;  ///< stands for views, targets and weights
+  SevaFiles files;
   SevaOptions options;
   std::filesystem::path proposals;  ///< folder of the workspace
   Device device;
 };
 
 /// Generates the targets: proposals/SOURCE/NAME.png for each candidate; what was there before is removed. Finished
-/// chunks stay in proposals/seva_chunks, from where an interrupted run goes on. Throws as FindSevaFiles, GetNetworks,
+/// chunks stay in proposals/seva_chunks, from where an interrupted run goes on. Throws as GetNetworks,
 /// Networks::LoadViewGenerator and ViewGenerator::Generate do.
 void GenerateViews(const SevaRequest& request, const Listener& listener);
 

@@ -34,7 +34,10 @@ void AddSeva(const RunOptions& options, std::vector<MissingNetwork>* list) {
         o->propose.proposers = ProposerChoice::kSplat;
       }};
   for (const char* model : kSevaModels) {
-    if (!IsHere(model)) seva.models.emplace_back(model);
+    const bool is_given = model == kSevaModels[0] && !options.weights.seva_weights.empty();
+    if (!(is_given ? !FindWeights(model, options.weights.seva_weights).empty() : IsHere(model))) {
+      seva.models.emplace_back(model);
+    }
   }
   const bool missing = !seva.models.empty();
   AddIf(missing, std::move(seva), list);

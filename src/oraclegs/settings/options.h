@@ -245,6 +245,7 @@ struct WeightOptions {
   std::filesystem::path depth_weights;
   std::filesystem::path lpips_weights;
   std::filesystem::path vggt_weights;
+  std::filesystem::path seva_weights;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
@@ -261,6 +262,10 @@ struct WeightOptions {
           "fetch lpips-vgg` brings");
     visit("vggt-weights", self.vggt_weights,
           "File of VGGT's weights (safetensors), where it is not the one that `oraclegs models fetch vggt` brings");
+    visit("seva-weights", self.seva_weights,
+          "File of Stable Virtual Camera's weights (safetensors), where it is not the one that `oraclegs models fetch "
+          "seva` brings: version 1.0, for example (seva-1.0)",
+          Tier::kSetting);
   }
 };
 

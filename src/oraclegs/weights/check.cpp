@@ -1,6 +1,7 @@
 #include "oraclegs/weights/check.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <set>
 #include <system_error>
@@ -26,6 +27,25 @@ std::string Listed(const char* what, const std::vector<std::string>& names) {
   const std::vector<std::string> first(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(shown));
   const std::string more = shown < names.size() ? fmt::format(" and {} more", names.size() - shown) : "";
   return fmt::format("; {} {}: {}{}", names.size(), what, fmt::join(first, ", "), more);
+}
+
+/// SHA-256 of a file's bytes. Reports StepDone{"check"}.
+std::string ChecksumOf(const std::filesystem::path& path, const Listener& listener) {
+  constexpr uint64_t kMega = 1'000'000;
+  std::ifstream file(path, std::ios::binary);
+  std::error_code error;
+  const uint64_t bytes = std::filesystem::file_size(path, error);
+  std::string piece(kMega, '\0');
+  Sha256 sum;
+  for (uint64_t done = 0; file; listener(StepDone{"check", static_cast<int64_t>(done / kMega),
+                                                  static_cast<int64_t>((bytes + kMega - 1) / kMega), "MB", ""})) {
+    ThrowIfInterrupted();
+    file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+    const auto read = static_cast<size_t>(file.gcount());
+    sum.Add(std::string_view(piece).substr(0, read));
+    done += read;
+  }
+  return sum.Hex();
 }
 
 }  // namespace
@@ -79,28 +99,29 @@ size_t CheckWeights(const WeightsInfo& model, const std::filesystem::path& weigh
 }
 
 bool CheckPublished(const WeightsInfo& model, const std::filesystem::path& weights, const Listener& listener) {
-  constexpr uint64_t kMega = 1'000'000;
   if (model.convert || model.files.size() != 1 || model.files[0].sha256.empty() || weights.extension() == ".json") {
     return false;
   }
-  std::ifstream file(weights, std::ios::binary);
-  std::error_code error;
-  const uint64_t bytes = std::filesystem::file_size(weights, error);
-  std::string piece(kMega, '\0');
-  Sha256 sum;
-  for (uint64_t done = 0; file; listener(StepDone{"check", static_cast<int64_t>(done / kMega),
-                                                  static_cast<int64_t>((bytes + kMega - 1) / kMega), "MB", ""})) {
-    ThrowIfInterrupted();
-    file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
-    const auto read = static_cast<size_t>(file.gcount());
-    sum.Add(std::string_view(piece).substr(0, read));
-    done += read;
-  }
-  if (sum.Hex() == model.files[0].sha256) return true;
+  const std::string sum = ChecksumOf(weights, listener);
+  if (sum == model.files[0].sha256) return true;
   throw InputError(
       "{}: is not the file that the authors of {} publish: its SHA-256 is {}, expected {}; remove it and run `oraclegs "
       "models fetch {}`, or use it if you trust whom it is from",
-      weights.string(), model.name, sum.Hex(), model.files[0].sha256, model.name);
+      weights.string(), model.name, sum, model.files[0].sha256, model.name);
+}
+
+void RefuseAnotherNetwork(const WeightsInfo& model, const std::filesystem::path& weights, const Listener& listener) {
+  constexpr double kAboutAsLong = 0.01;
+  std::error_code error;
+  const auto bytes = static_cast<double>(std::filesystem::file_size(weights, error));
+  const auto published = static_cast<double>(model.download_bytes);
+  if (error || std::abs(bytes - published) > kAboutAsLong * published) return;
+  const std::string sum = ChecksumOf(weights, listener);
+  for (const WeightsInfo& other : AllWeights()) {
+    if (other.name == model.name || other.files.size() != 1 || other.files[0].sha256 != sum) continue;
+    throw InputError("{}: holds {}, not {}; store it as {}/model.safetensors and run `oraclegs models fetch {}`",
+                     weights.string(), other.name, model.name, other.name, model.name);
+  }
 }
 
 }  // namespace oraclegs

@@ -108,6 +108,12 @@ std::vector<WeightsInfo> GeneratorModels() {
   seva.convert = false;
   seva.download_bytes = 5'056'000'000;
 
+  WeightsInfo first = seva;  // its checksum is of one source only, not of its authors
+  first.name = "seva-1.0";
+  first.purpose = "the same, version 1.0, as the paper's authors load it (--set seva-weights)";
+  first.files = {OnHub("stabilityai/stable-virtual-camera", "e538e251c1009e9a41cf8b7fee5f21332a1960de",
+                       "model.safetensors", "10e69ea003c313e6bdfc7ee40376d1c19ea6036c20bd384e94b483dec8350396")};
+
   // Stable Diffusion 2.1 is no longer open to everybody; its authors publish the same autoencoder, byte by byte, here.
   WeightsInfo vae;
   vae.name = vae.parameters = "sd21-vae";
@@ -128,7 +134,7 @@ std::vector<WeightsInfo> GeneratorModels() {
                       "open_clip_pytorch_model.bin", "9a78ef8e8c73fd0df621682e7a8e8eb36c6916cb3c16b291a082ecd52ab79cc4",
                       3'944'692'325)};
   clip.download_bytes = 3'944'692'325;
-  return {seva, vae, clip};
+  return {seva, first, vae, clip};
 }
 
 }  // namespace
