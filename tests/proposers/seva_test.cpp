@@ -158,8 +158,7 @@ TEST_F(SevaStageTest, OtherOptionsAndWeightsGiveAnotherKey) {
                 fs::copy_options::overwrite_existing);
   EXPECT_NE(key(), before);
   fs::remove(dir / "openclip-vith14/model.safetensors");
-  EXPECT_THAT(MessageOf<InputError>([&] { key(); }),
-              HasSubstr("`oraclegs models fetch openclip-vith14`"));
+  EXPECT_THAT(MessageOf<InputError>([&] { key(); }), HasSubstr("`oraclegs models fetch openclip-vith14`"));
 }
 
 TEST(RemoveGenerated, LeavesOtherFolders) {

@@ -52,7 +52,8 @@ TEST(AllWeights, MarksNonCommercialOnes) {
   for (const WeightsInfo& model : AllWeights()) {
     if (model.non_commercial) restricted.insert(model.name);
   }
-  EXPECT_EQ(restricted, (std::set<std::string>{"depth-anything-v2-base", "depth-anything-v2-large", "seva", "seva-1.0", "vggt"}));
+  EXPECT_EQ(restricted,
+            (std::set<std::string>{"depth-anything-v2-base", "depth-anything-v2-large", "seva", "seva-1.0", "vggt"}));
   EXPECT_THAT(WeightsNamed("seva").restriction, HasSubstr("images that the network makes"));
   EXPECT_EQ(WeightsNamed("depth-anything-v2-small").license, "Apache-2.0");
 }

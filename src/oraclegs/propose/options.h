@@ -51,10 +51,11 @@ struct ProposeOptions {
     visit("proposal-folder", self.proposal_folder,
           "Also train on these views, made by any other generator: images with transforms.json, or synthetic_N/ named "
           "like the scene's images, with synthetic_N_attention_maps/ as their confidence");
-    visit("proposal-size", self.proposal_size,
-          "Size of the proposed views: view = of the photos; own = at which seva works (--seva-short-side), so that the "
-          "loss sees its pixels as they are",
-          Tier::kSetting);
+    visit(
+        "proposal-size", self.proposal_size,
+        "Size of the proposed views: view = of the photos; own = at which seva works (--seva-short-side), so that the "
+        "loss sees its pixels as they are",
+        Tier::kSetting);
     visit("proxy-models", self.proxy_models,
           "Proxy models to train for splat; of few photos more, so that each sees three", Range{2, 16}, Tier::kSetting);
     visit("proxy-share", self.proxy_share,

@@ -62,12 +62,14 @@ ProposerRow SevaRow() {
                 const seva::Size size = seva::GeneratedSize({view.width, view.height}, run.options.seva.short_side);
                 return PixelSize{static_cast<int>(size.width), static_cast<int>(size.height)};
               },
-          .own = [](const Run& run, Fingerprint* key) { key->Add(SevaKey(run.options.seva, FindSevaFiles(run.options.weights))); },
+          .own = [](const Run& run,
+                    Fingerprint* key) { key->Add(SevaKey(run.options.seva, FindSevaFiles(run.options.weights))); },
           .prepare =
               [](Run* run, const std::string& key) {
                 const auto larger = LargerViews(*run, run->options.seva.short_side);
-                GenerateViews({larger ? *larger : ViewsOf(run).views, run->results->targets, key, FindSevaFiles(run->options.weights), run->options.seva,
-                               run->workspace.proposals(), run->plan.device},
+                GenerateViews({larger ? *larger : ViewsOf(run).views, run->results->targets, key,
+                               FindSevaFiles(run->options.weights), run->options.seva, run->workspace.proposals(),
+                               run->plan.device},
                               run->listener);
               },
           .make =

@@ -85,7 +85,8 @@ Geometry ReadGeometry(const Run& run, const std::vector<LoadedView>& views) {
 void FitToViews(const std::vector<LoadedView>& views, std::vector<RelativeDepth>* predicted) {
   for (size_t v = 0; v < views.size(); ++v) {
     RelativeDepth& map = (*predicted)[v];
-    ImageF small = ResizeArea({map.width, map.height, 1, std::move(map.values)}, views[v].rgb.width, views[v].rgb.height);
+    ImageF small =
+        ResizeArea({map.width, map.height, 1, std::move(map.values)}, views[v].rgb.width, views[v].rgb.height);
     map = {small.width, small.height, std::move(small.data)};
   }
 }

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "oraclegs/depth/gains.h"
+#include "oraclegs/stages/monocular_depth.h"
 
 namespace oraclegs {
 namespace {
