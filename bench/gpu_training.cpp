@@ -8,7 +8,7 @@
 #include "oraclegs/core/cuda/device_array.h"
 #include "oraclegs/core/statistics.h"
 #include "oraclegs/render/cuda/cuda_rasterizer.h"
-#include "oraclegs/train/cuda/cuda_train_device.h"
+#include "oraclegs/train/make_train_device.h"
 #include "oraclegs/train/schedule.h"
 #include "oraclegs/train/timings.h"
 

@@ -1,6 +1,6 @@
 #include "oraclegs/baselines/prune_modes.h"
 
-#include "oraclegs/train/model_edits.h"
+#include "oraclegs/train/train_device.h"
 
 namespace oraclegs {
 

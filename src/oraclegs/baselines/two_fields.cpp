@@ -9,7 +9,7 @@
 #include "oraclegs/loss/photometric.h"
 #include "oraclegs/render/image_buffer.h"
 #include "oraclegs/render/make_rasterizer.h"
-#include "oraclegs/train/model_edits.h"
+#include "oraclegs/train/train_device.h"
 
 namespace oraclegs {
 namespace {

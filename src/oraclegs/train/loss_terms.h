@@ -14,6 +14,12 @@
 
 namespace oraclegs {
 
+/// Error of a training whose loss or parameters became NaN or infinite. Nothing is saved from then on.
+class Diverged : public RunError {
+ public:
+  using RunError::RunError;
+};
+
 /// Views and LPIPS of a training. Photos are certain; proposals are weighted by their confidence and have the mean
 /// exposure of the photos.
 struct TrainingData {

@@ -8,4 +8,14 @@ namespace oraclegs {
 /// does not suffice.
 std::unique_ptr<TrainDevice> MakeTrainDevice(Device device, const TrainDeviceSetup& setup);
 
+/// Makes the one of the CPU.
+std::unique_ptr<TrainDevice> MakeCpuTrainDevice(const TrainDeviceSetup& setup);
+
+namespace cuda {
+
+/// Makes the one of the GPU of this name, which becomes the current one (cuda/cuda_train_device.cpp). Throws UsageError
+/// when there is none, RunError when its memory does not suffice for the estimate (memory_estimate.h).
+std::unique_ptr<TrainDevice> MakeCudaTrainDevice(Device device, const TrainDeviceSetup& setup);
+
+}  // namespace cuda
 }  // namespace oraclegs

@@ -1,4 +1,4 @@
-#include "oraclegs/train/refine_schedule.h"
+#include "oraclegs/train/densify.h"
 
 namespace oraclegs {
 

@@ -1,4 +1,4 @@
-#include "oraclegs/train/model_edits.h"
+#include "oraclegs/train/train_device.h"
 
 #include <type_traits>
 

@@ -1,4 +1,4 @@
-#include "oraclegs/train/cuda/floaters.h"
+#include "oraclegs/train/cuda/outliers.h"
 
 #include "oraclegs/core/cuda/launch.h"
 #include "oraclegs/render/constants.h"
@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kBlock = 256;
 
-/// Adds the view's vote where it contributes one (train/floaters.cpp).
+/// Adds the view's vote where it contributes one (train/outliers.cpp).
 __device__ void Vote(const DepthView& view, const float* mean, FloaterVotes* votes) {
   double point[3];
   for (int row = 0; row < 3; ++row) {
@@ -42,12 +42,26 @@ __global__ void LowerFloaters(FloatersInput in) {
   if (i < in.count && in.floats[i] && in.counts[0] != in.counts[1]) in.params.opacity_logits[i] = kPrunedLogit;
 }
 
+__global__ void CapScales(ScaleCapInput in) {
+  const int64_t i = static_cast<int64_t>(blockIdx.x) * kBlock + threadIdx.x;
+  if (i >= in.count) return;
+  const float cap = LogScaleCap(in.params.means + 3 * i, in.centers, in.num_centers, in.log_share);
+  for (int64_t k = 3 * i; k < 3 * i + 3; ++k) {
+    if (in.params.log_scales[k] > cap) in.params.log_scales[k] = cap;
+  }
+}
+
 }  // namespace
 
 void RunPruneFloaters(const FloatersInput& in, cudaStream_t stream) {
   Check(cudaMemsetAsync(in.counts, 0, 2 * sizeof(int), stream), "pruning floaters");
   Launch("floaters", FindFloaters, LaunchShape::For(in.count, kBlock), stream, in);
   Launch("pruning of floaters", LowerFloaters, LaunchShape::For(in.count, kBlock), stream, in);
+}
+
+void RunCapScales(const ScaleCapInput& in, cudaStream_t stream) {
+  if (in.num_centers == 0) return;
+  Launch("the cap of scales", CapScales, LaunchShape::For(in.count, kBlock), stream, in);
 }
 
 }  // namespace oraclegs::cuda

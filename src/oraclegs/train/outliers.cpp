@@ -1,5 +1,7 @@
-#include "oraclegs/train/floaters.h"
+#include "oraclegs/train/outliers.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <optional>
 
@@ -36,6 +38,8 @@ bool IsFloater(const std::vector<TrainView>& views, const Eigen::Vector3d& world
 
 bool IsAlive(float logit) { return OpacityOf(logit) > static_cast<double>(kDeadOpacity); }
 
+constexpr int64_t kScaleCapGrain = 4096;  // Gaussians a task
+
 }  // namespace
 
 int64_t PruneFloaters(const std::vector<TrainView>& views, Gaussians* gaussians) {
@@ -58,6 +62,29 @@ int64_t PruneFloaters(const std::vector<TrainView>& views, Gaussians* gaussians)
     if (floats[i]) logits[i] = kPrunedLogit;
   }
   return floating;
+}
+
+std::vector<float> CameraCenters(const std::vector<TrainView>& views) {
+  std::vector<float> centers;
+  for (const TrainView& view : views) {
+    const Eigen::Vector3f center = view.camera.Center().cast<float>();
+    centers.insert(centers.end(), center.data(), center.data() + 3);
+  }
+  return centers;
+}
+
+void CapScales(const std::vector<float>& centers, double share, Gaussians* gaussians) {
+  gaussians->Check("CapScales");
+  if (centers.empty()) return;
+  const GaussianRows rows = gaussians->Rows();
+  const auto log_share = static_cast<float>(std::log(share));
+  const auto count = static_cast<int>(centers.size() / 3);
+  ParallelBlocks(gaussians->size(), kScaleCapGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) {
+      const float cap = LogScaleCap(rows.means + 3 * i, centers.data(), count, log_share);
+      for (int64_t k = 3 * i; k < 3 * i + 3; ++k) rows.log_scales[k] = std::min(rows.log_scales[k], cap);
+    }
+  });
 }
 
 }  // namespace oraclegs

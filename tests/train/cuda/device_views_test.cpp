@@ -1,10 +1,10 @@
-#include "oraclegs/train/packed_image.h"
+#include "oraclegs/train/cuda/device_views.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace oraclegs {
+namespace oraclegs::cuda {
 namespace {
 
 TEST(PackedImage, KeepsEveryBitOfByteValues) {
@@ -32,4 +32,4 @@ TEST(PackedImage, LeavesOtherValuesAsFloats) {
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::cuda

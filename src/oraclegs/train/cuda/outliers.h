@@ -1,5 +1,5 @@
 #pragma once
-// The pruning of train/floaters.h on a GPU.
+// What train/outliers.h does, on a GPU.
 
 #include <cuda_runtime.h>
 
@@ -31,5 +31,17 @@ struct FloatersInput {
 
 /// Queues the pruning. Does nothing when no Gaussian would be left alive.
 void RunPruneFloaters(const FloatersInput& in, cudaStream_t stream);
+
+/// Input of RunCapScales, all in device memory.
+struct ScaleCapInput {
+  GaussianRows params;
+  int64_t count = 0;
+  const float* centers = nullptr;  ///< [num_centers,3], of the photos' cameras
+  int num_centers = 0;
+  float log_share = 0;  ///< ln of (largest scale / distance)
+};
+
+/// Queues the cap. Does nothing without centers.
+void RunCapScales(const ScaleCapInput& in, cudaStream_t stream);
 
 }  // namespace oraclegs::cuda
