@@ -1,7 +1,7 @@
 #pragma once
 // The small scene (train/small_scene.h), trained by a published method.
 
-#include "oraclegs/baselines/make_parts.h"
+#include "oraclegs/baselines/methods.h"
 #include "oraclegs/train/make_train_device.h"
 #include "train/small_scene.h"
 

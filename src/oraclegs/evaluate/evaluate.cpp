@@ -10,7 +10,7 @@
 #include "oraclegs/evaluate/image_names.h"
 #include "oraclegs/evaluate/metrics.h"
 #include "oraclegs/image/png.h"
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 
 namespace oraclegs {
 namespace {

@@ -12,7 +12,7 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/mesh/isosurface.h"
 #include "oraclegs/mesh/vertex_colors.h"
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 
 namespace oraclegs {
 namespace {

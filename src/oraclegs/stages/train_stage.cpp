@@ -3,7 +3,7 @@
 #include <optional>
 #include <utility>
 
-#include "oraclegs/baselines/make_parts.h"
+#include "oraclegs/baselines/methods.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/memory.h"
 #include "oraclegs/core/plural.h"

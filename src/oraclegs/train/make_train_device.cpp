@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "oraclegs/core/config.h"
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/train/mcmc.h"
 #include "oraclegs/train/method_part.h"
 #include "oraclegs/train/noise.h"

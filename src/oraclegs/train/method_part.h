@@ -1,6 +1,6 @@
 #pragma once
 // Work that a method does beside an iteration's view: other renders, other losses, removals. The parts of published
-// methods: baselines/make_parts.h.
+// methods: baselines/methods.h.
 
 #include <array>
 #include <memory>

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "oraclegs/core/bfloat16.h"
-#include "oraclegs/render/cuda/cuda_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/train/adam.h"
 #include "oraclegs/train/noise.h"
 #include "oraclegs/train/regularizers.h"

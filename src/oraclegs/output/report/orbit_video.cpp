@@ -9,7 +9,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/system_reason.h"
 #include "oraclegs/output/report/ffmpeg.h"
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/scene/loaded_view.h"
 
 namespace oraclegs {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "oraclegs/render/cuda/cuda_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/train/cuda/cuda_mcmc.h"
 #include "oraclegs/train/cuda/cuda_view_loss.h"
 #include "oraclegs/train/cuda/outliers.h"
