@@ -8,9 +8,9 @@
 #include "oraclegs/core/cuda/device_array.h"
 #include "oraclegs/core/statistics.h"
 #include "oraclegs/render/render.h"
-#include "oraclegs/train/make_train_device.h"
 #include "oraclegs/train/schedule.h"
 #include "oraclegs/train/timings.h"
+#include "oraclegs/train/train_device.h"
 
 namespace oraclegs {
 namespace {

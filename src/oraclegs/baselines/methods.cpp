@@ -11,7 +11,7 @@
 #include "oraclegs/baselines/random_background.h"
 #include "oraclegs/baselines/settings.h"
 #include "oraclegs/baselines/two_fields.h"
-#include "oraclegs/core/nearest_word.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/loss/pearson_depth.h"
 
 namespace oraclegs {

@@ -9,7 +9,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/evaluate/image_names.h"
 #include "oraclegs/evaluate/metrics.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/render/render.h"
 
 namespace oraclegs {

@@ -1,5 +1,5 @@
 #pragma once
-// Interface of the device that trains the Gaussians; make_train_device.h makes one.
+// Interface of the device that trains the Gaussians, and the makers of one.
 
 #include <cstdint>
 #include <functional>
@@ -109,5 +109,20 @@ void OnHost(TrainedModel* model, const std::function<void(TrainedModel*)>& edit)
 /// Keeps the Gaussians of these rows, with their moments, in this order. On a CPU in new memory, on a GPU in the memory
 /// that there is where that has room.
 void KeepRows(const std::vector<int64_t>& rows, Gaussians* gaussians, Adam* adam);
+
+/// Makes the training device of this name. Throws UsageError when this build has none for it, RunError when its memory
+/// does not suffice.
+std::unique_ptr<TrainDevice> MakeTrainDevice(Device device, const TrainDeviceSetup& setup);
+
+/// Makes the one of the CPU.
+std::unique_ptr<TrainDevice> MakeCpuTrainDevice(const TrainDeviceSetup& setup);
+
+namespace cuda {
+
+/// Makes the one of the GPU of this name, which becomes the current one (cuda/cuda_train_device.cpp). Throws UsageError
+/// when there is none, RunError when its memory does not suffice for the estimate (memory_estimate.h).
+std::unique_ptr<TrainDevice> MakeCudaTrainDevice(Device device, const TrainDeviceSetup& setup);
+
+}  // namespace cuda
 
 }  // namespace oraclegs

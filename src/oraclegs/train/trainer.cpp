@@ -9,7 +9,6 @@
 #include "oraclegs/train/checkpoint_folder.h"
 #include "oraclegs/train/densify.h"
 #include "oraclegs/train/loss_terms.h"
-#include "oraclegs/train/make_train_device.h"
 #include "oraclegs/train/schedule.h"
 #include "oraclegs/train/train_device.h"
 

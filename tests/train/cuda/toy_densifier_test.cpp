@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "oraclegs/train/make_train_device.h"
 #include "oraclegs/train/train_device.h"
 #include "train/cuda/device_gaussians.h"
 #include "train/small_scene.h"

@@ -1,8 +1,8 @@
 #include "oraclegs/experiments/launch/slurm_options.h"
 
-#include <algorithm>
-
 #include <fmt/format.h>
+
+#include <algorithm>
 
 namespace oraclegs {
 

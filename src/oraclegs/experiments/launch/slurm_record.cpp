@@ -13,8 +13,8 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/folder_lock.h"
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/core/plural.h"
 #include "oraclegs/core/sha256.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/experiments/launch/slurm_programs.h"
 

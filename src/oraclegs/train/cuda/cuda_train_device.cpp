@@ -1,4 +1,4 @@
-#include "oraclegs/train/make_train_device.h"
+#include "oraclegs/train/train_device.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,7 @@
 #pragma once
-// COLMAP's .txt files. `file` names the source in error messages of the parsers, which also give the line. All throw
-// InputError.
+// COLMAP's .bin files, little endian, whose every count is checked against the bytes that are left before memory is
+// reserved; and its .txt files. `file` names the source in error messages, which also give the line of a text. All
+// parsers throw InputError.
 
 #include <filesystem>
 #include <string>
@@ -10,6 +11,16 @@
 #include "oraclegs/scene/colmap_model.h"
 
 namespace oraclegs {
+
+/// cameras.bin: count, then id u32, model i32, width u64, height u64, parameters f64.
+ColmapCameras ParseCamerasBinary(std::string_view bytes, const std::string& file);
+
+/// images.bin: count, then id u32, quaternion wxyz and translation 7 f64, camera u32, name up to a zero byte,
+/// keypoints.
+std::vector<ColmapImage> ParseImagesBinary(std::string_view bytes, const std::string& file);
+
+/// points3D.bin: count, then id u64, xyz 3 f64, rgb 3 u8, error f64, track length u64, track of (image, keypoint) u32.
+std::vector<ColmapPoint> ParsePointsBinary(std::string_view bytes, const std::string& file);
 
 /// cameras.txt: CAMERA_ID MODEL WIDTH HEIGHT PARAMS[], a line each.
 ColmapCameras ParseCamerasText(std::string_view text, const std::string& file);
