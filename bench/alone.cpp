@@ -6,7 +6,7 @@
 #include "oraclegs/core/statistics.h"
 #include "oraclegs/loss/photometric.h"
 #include "oraclegs/render/image_buffer.h"
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/train/noise.h"
 #include "oraclegs/train/regularizers.h"
 

@@ -10,7 +10,7 @@
 #include <exception>
 
 #include "oraclegs/depth/depth_files.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/run/start.h"
 #include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/scene/read_scene.h"
@@ -80,6 +80,7 @@ void CompareAll(const fs::path& workspace) {
 }
 
 }  // namespace
+
 }  // namespace oraclegs
 
 int main(int argc, char** argv) {

@@ -26,7 +26,7 @@
 #include "oraclegs/core/cuda/check.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/depth/cuda/cuda_plane_search.h"
+#include "oraclegs/depth/plane_search.h"
 
 namespace oraclegs {
 namespace {
@@ -174,6 +174,7 @@ bool Run(const Arguments& a) {
 }
 
 }  // namespace
+
 }  // namespace oraclegs
 
 int main(int argc, char** argv) {

@@ -14,8 +14,8 @@
 #include "oraclegs/depth/stereo.h"
 #include "oraclegs/gaussians/cuda/neighbors.h"
 #include "oraclegs/gaussians/neighbors.h"
-#include "oraclegs/propose/cuda/cuda_warp_device.h"
 #include "oraclegs/propose/warp.h"
+#include "oraclegs/propose/warp_device.h"
 #include "oraclegs/train/timings.h"
 
 namespace oraclegs {

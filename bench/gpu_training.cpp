@@ -7,10 +7,10 @@
 #include "oraclegs/core/bfloat16.h"
 #include "oraclegs/core/cuda/device_array.h"
 #include "oraclegs/core/statistics.h"
-#include "oraclegs/render/cuda/cuda_rasterizer.h"
-#include "oraclegs/train/cuda/cuda_train_device.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/train/schedule.h"
 #include "oraclegs/train/timings.h"
+#include "oraclegs/train/train_device.h"
 
 namespace oraclegs {
 namespace {

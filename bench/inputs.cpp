@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/run/start.h"
 #include "oraclegs/stages/evaluate_stage.h"
 #include "oraclegs/train/mcmc.h"

@@ -1,7 +1,7 @@
 // Peak memory of a training run.
 
-#include "oraclegs/core/memory.h"
 #include "bench/benchmarks.h"
+#include "oraclegs/core/host.h"
 
 namespace oraclegs {
 

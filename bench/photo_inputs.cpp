@@ -8,13 +8,10 @@
 #include "oraclegs/capture/zip_photos.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/formats/zip_archive.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/image/exif.h"
 #include "oraclegs/image/exif_tags.h"
-#include "oraclegs/image/heif.h"
-#include "oraclegs/image/jpeg.h"
-#include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
-#include "oraclegs/image/tiff.h"
 #include "weights/checkpoint/torch_bytes.h"
 
 namespace oraclegs {

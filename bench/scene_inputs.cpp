@@ -4,16 +4,15 @@
 
 #include "bench/parser_inputs.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/propose/proposal_files.h"
-#include "oraclegs/scene/colmap_binary.h"
-#include "oraclegs/scene/colmap_text.h"
+#include "oraclegs/scene/colmap_files.h"
 #include "oraclegs/scene/read_colmap.h"
 #include "oraclegs/scene/transforms.h"
 #include "oraclegs/scene/view_list.h"
 #include "oraclegs/sfm/colmap_database.h"
 #include "oraclegs/sfm/database_file.h"
-#include "oraclegs/sfm/verified_matches.h"
+#include "oraclegs/sfm/matched_features.h"
 #include "weights/checkpoint/torch_bytes.h"
 
 namespace oraclegs {

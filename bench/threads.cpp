@@ -6,7 +6,7 @@
 #include "bench/benchmarks.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/statistics.h"
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 
 namespace oraclegs {
 namespace {

@@ -25,10 +25,8 @@ MAX_PARAMETERS = 5
 MAX_UNITS_IN_ROOM = 25  # of a folder above the engine
 ROOMS = ("settings", "workspace", "stages", "proposers", "output", "run")
 
-# src file below src/oraclegs -> why no tests/FLOOR/..._test.cpp has its name. Keep it tiny.
-WITHOUT_TEST = {
-    "train/cuda/device_views.cpp": "packs views for the losses of tests/train/cuda/cuda_view_loss_test.cpp",
-}
+# src file below src/oraclegs -> why no tests/FLOOR/..._test.cpp has its name. Keep it empty.
+WITHOUT_TEST = {}
 
 INCLUDE = re.compile(r'^\s*#\s*(?:include|define\s+HWY_TARGET_INCLUDE)\s*[<"]([^>"]+)[>"]')
 TORCH = re.compile(r"^(torch|ATen|c10|caffe2)/")

@@ -6,8 +6,8 @@
 #include "command.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/experiments/bench/bench.h"
-#include "oraclegs/experiments/bench/bench_overwrite.h"
 #include "oraclegs/experiments/bench/bench_report.h"
+#include "oraclegs/experiments/bench/run_record.h"
 #include "version.h"
 
 namespace oraclegs {

@@ -5,9 +5,7 @@
 #include <set>
 
 #include "config_file.h"
-#include "oraclegs/core/nearest_word.h"
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/image.h"
 #include "oraclegs/settings/device.h"

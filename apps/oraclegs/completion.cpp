@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/nearest_word.h"
+#include "oraclegs/core/text.h"
 
 namespace oraclegs {
 namespace {

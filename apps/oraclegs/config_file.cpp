@@ -7,7 +7,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/core/nearest_word.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/core/unique_json.h"
 #include "presets.h"
 

@@ -5,7 +5,7 @@
 
 #include "command.h"
 #include "oraclegs/demo/demo_scene.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/run/reconstruct.h"
 #include "oraclegs/run/stages.h"

@@ -14,7 +14,6 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/core/system_reason.h"
 #include "program.h"
 
 namespace oraclegs {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cctype>
 
-#include "oraclegs/core/nearest_word.h"
 #include "oraclegs/core/text.h"
 
 namespace oraclegs {

@@ -1,4 +1,4 @@
-#include "oraclegs/core/plural.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/run/stages.h"
 #include "workspace_command.h"
 

@@ -7,7 +7,6 @@
 #include "oraclegs/core/log.h"
 #include "oraclegs/core/progress.h"
 #include "oraclegs/core/run_progress.h"
-#include "oraclegs/core/step_rate.h"
 
 namespace oraclegs {
 

@@ -10,10 +10,9 @@
 #include <hwy/highway.h>
 
 #include "oraclegs/core/config.h"
-#include "oraclegs/core/library_file.h"
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/core/plural.h"
 #include "oraclegs/core/subprocess.h"
+#include "oraclegs/core/text.h"
 
 namespace oraclegs {
 namespace {

@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "oraclegs/core/memory.h"
+#include "oraclegs/core/host.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/networks/depth_anything/depth_anything.h"
 

@@ -15,7 +15,7 @@
 
 #include "bench/networks/placed_parameters.h"
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/memory.h"
+#include "oraclegs/core/host.h"
 #include "oraclegs/networks/seva/conditioning.h"
 #include "oraclegs/networks/seva/cost.h"
 #include "oraclegs/networks/seva/memory.h"

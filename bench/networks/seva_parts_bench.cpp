@@ -10,7 +10,7 @@
 #include <exception>
 #include <functional>
 
-#include "oraclegs/core/memory.h"
+#include "oraclegs/core/host.h"
 #include "oraclegs/networks/seva/openclip.h"
 #include "oraclegs/networks/seva/vae_tiles.h"
 

@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "bench/networks/placed_parameters.h"
-#include "oraclegs/core/memory.h"
+#include "oraclegs/core/host.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
 #include "oraclegs/networks/vggt/memory.h"

@@ -6,7 +6,7 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/formats/splat_file.h"
 #include "oraclegs/render/constants.h"
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 
 namespace oraclegs::python {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "baselines/baseline_trainer.h"
 #include "oraclegs/camera/scene_bounds.h"
-#include "oraclegs/train/model_edits.h"
+#include "oraclegs/train/train_device.h"
 #include "oraclegs/train/train_math.h"
 #include "support/buffers.h"
 #include "support/errors.h"

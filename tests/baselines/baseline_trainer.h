@@ -1,8 +1,8 @@
 #pragma once
 // The small scene (train/small_scene.h), trained by a published method.
 
-#include "oraclegs/baselines/make_parts.h"
-#include "oraclegs/train/make_train_device.h"
+#include "oraclegs/baselines/methods.h"
+#include "oraclegs/train/train_device.h"
 #include "train/small_scene.h"
 
 namespace oraclegs {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "train/gaussian_fixtures.h"
 
 namespace oraclegs {

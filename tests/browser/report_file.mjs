@@ -1,4 +1,4 @@
-// Composes a report as SelfContainedPage (src/oraclegs/web/page.h) does, with every file of the run as a data: URI.
+// Composes a report as SelfContainedPage (src/oraclegs/web/assets.h) does, with every file of the run as a data: URI.
 import {readFile, writeFile} from 'node:fs/promises';
 import {join} from 'node:path';
 

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/train/trainer.h"
 
 namespace {

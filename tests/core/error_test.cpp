@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cerrno>
+
 namespace oraclegs {
 namespace {
 
@@ -32,5 +34,17 @@ TEST(Error, WrongShapeIsABugAndNotTheUsers) {
   EXPECT_EQ(dynamic_cast<const Error*>(static_cast<const std::exception*>(&error)), nullptr);
 }
 
+TEST(SystemReason, SaysWhatToDoAboutAFullDisk) {
+  EXPECT_EQ(SystemReason(ENOSPC), "No space left on device; make room there");
+  EXPECT_EQ(SystemReason(EDQUOT), "Disk quota exceeded; make room there");
+  EXPECT_EQ(SystemReason(std::error_code(ENOSPC, std::system_category())), "No space left on device; make room there");
+}
+
+TEST(SystemReason, IsWhatTheSystemSaysOtherwise) {
+  EXPECT_EQ(SystemReason(EACCES), "Permission denied");
+  EXPECT_EQ(SystemReason(std::make_error_code(std::errc::read_only_file_system)), "Read-only file system");
+}
+
 }  // namespace
+
 }  // namespace oraclegs

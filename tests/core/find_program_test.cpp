@@ -15,5 +15,13 @@ TEST(FindProgram, LooksInPath) {
   EXPECT_EQ(FindProgram("/tmp"), "") << "a folder";
 }
 
+TEST(FindLibraryFile, FindsTheLibrariesOfTheProgram) {
+  const auto core = FindLibraryFile("liboraclegs_core.so");
+  ASSERT_TRUE(core);
+  EXPECT_TRUE(std::filesystem::is_regular_file(*core));
+  EXPECT_FALSE(FindLibraryFile("liboraclegs_none.so"));
+}
+
 }  // namespace
+
 }  // namespace oraclegs

@@ -9,7 +9,7 @@
 #include "depth/surfaces.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/image/read_image.h"
 #include "support/temp_dir.h"
 

@@ -1,4 +1,4 @@
-#include "oraclegs/depth/make_plane_search.h"
+#include "oraclegs/depth/plane_search.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,6 @@
 
 #include "depth/surfaces.h"
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/depth/make_plane_search.h"
 #include "oraclegs/depth/plane_search.h"
 #include "support/event_recorder.h"
 

@@ -19,7 +19,7 @@ COMMANDS = ["reconstruct", "sfm", "depth", "propose", "validate", "train", "eval
 RUN_OPTIONS = ["settings/options.h", "capture/options.h", "scene/split.h", "scene/loaded_view.h", "depth/stereo.h", "train/options.h",
                "propose/options.h", "propose/trajectory.h", "validate/options.h", "networks/seva_options.h"]
 OWN_OPTIONS = {"ablate": "experiments/ablation.h", "bench": "experiments/bench/bench_plan.h", "render": "output/render_path.h", "figure": "output/figures/figure.h", "export": "output/export.h",
-               "mesh": "mesh/fuse_model.h", "demo": "demo/demo_scene.h", "demo-scene": "demo/demo_scene.h", "view": "web/viewer_options.h", "models": "weights/fetch.h"}  # fmt: skip
+               "mesh": "mesh/fuse_model.h", "demo": "demo/demo_scene.h", "demo-scene": "demo/demo_scene.h", "view": "../../apps/oraclegs/viewing.h", "models": "weights/fetch.h"}  # fmt: skip
 
 # Headers of run options that a command has no use for.
 NOT_SHOWN = {

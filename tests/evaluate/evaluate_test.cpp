@@ -9,7 +9,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/evaluate/metrics.h"
 #include "oraclegs/image/read_image.h"
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "support/buffers.h"
 #include "support/temp_dir.h"
 

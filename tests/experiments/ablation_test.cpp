@@ -1,7 +1,7 @@
 #include "oraclegs/experiments/ablation.h"
 
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/stages/metrics.h"
 #include "oraclegs/workspace/stage_records.h"
 #include "run/proposing.h"

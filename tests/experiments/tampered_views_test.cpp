@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/gaussians/initialize.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/propose/folder.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "support/errors.h"

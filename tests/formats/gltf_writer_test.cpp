@@ -1,4 +1,4 @@
-#include "oraclegs/formats/gltf_writer.h"
+#include "oraclegs/formats/gltf.h"
 
 #include "formats/splats.h"
 #include "oraclegs/formats/glb_file.h"

@@ -1,10 +1,9 @@
-#include "oraclegs/formats/sog_reader.h"
+#include "oraclegs/formats/sog.h"
 
 #include <nlohmann/json.hpp>
 
 #include "formats/splats.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/formats/sog_writer.h"
 #include "oraclegs/formats/spatial_order.h"
 #include "oraclegs/formats/webp.h"
 #include "oraclegs/formats/zip_archive.h"

@@ -1,7 +1,7 @@
 // COLMAP's .bin files: any bytes as each of the three.
 
 #include "fuzz/fuzz.h"
-#include "oraclegs/scene/colmap_binary.h"
+#include "oraclegs/scene/colmap_files.h"
 
 ORACLEGS_FUZZ_TARGET(colmap_binary) {
   using namespace oraclegs;

@@ -1,7 +1,7 @@
 // COLMAP's .txt files: any bytes as each of the three.
 
 #include "fuzz/fuzz.h"
-#include "oraclegs/scene/colmap_text.h"
+#include "oraclegs/scene/colmap_files.h"
 
 ORACLEGS_FUZZ_TARGET(colmap_text) {
   using namespace oraclegs;

@@ -5,7 +5,6 @@
 #include "fuzz/fuzz.h"
 #include "oraclegs/sfm/colmap_database.h"
 #include "oraclegs/sfm/matched_features.h"
-#include "oraclegs/sfm/verified_matches.h"
 
 namespace {
 

@@ -2,7 +2,7 @@
 
 #include "fuzz/fuzz.h"
 #include "oraclegs/depth/depth_files.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 
 namespace {
 

@@ -2,8 +2,8 @@
 
 #include "fuzz/fuzz.h"
 #include "fuzz/images.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/image/exif_tags.h"
-#include "oraclegs/image/heif.h"
 
 ORACLEGS_FUZZ_TARGET(heif) {
   using namespace oraclegs;

@@ -2,9 +2,9 @@
 
 #include "fuzz/fuzz.h"
 #include "fuzz/images.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/image/exif.h"
 #include "oraclegs/image/exif_tags.h"
-#include "oraclegs/image/jpeg.h"
 
 ORACLEGS_FUZZ_TARGET(jpeg) {
   using namespace oraclegs;

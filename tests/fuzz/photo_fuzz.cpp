@@ -3,7 +3,6 @@
 #include "fuzz/fuzz.h"
 #include "fuzz/images.h"
 #include "oraclegs/image/read_image.h"
-#include "oraclegs/image/thumbnail.h"
 
 ORACLEGS_FUZZ_TARGET(photo) {
   using namespace oraclegs;

@@ -4,7 +4,7 @@
 
 #include "fuzz/fuzz.h"
 #include "fuzz/images.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // transforms.json of a folder of proposals, whose images exist, and of the targets of a generator.
 
 #include "fuzz/fuzz.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/propose/folder.h"
 #include "oraclegs/propose/proposal_files.h"
 

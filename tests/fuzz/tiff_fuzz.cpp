@@ -2,7 +2,7 @@
 
 #include "fuzz/fuzz.h"
 #include "fuzz/images.h"
-#include "oraclegs/image/tiff.h"
+#include "oraclegs/image/codecs.h"
 
 ORACLEGS_FUZZ_TARGET(tiff) {
   using namespace oraclegs;

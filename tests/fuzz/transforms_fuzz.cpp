@@ -2,7 +2,7 @@
 // exist.
 
 #include "fuzz/fuzz.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/scene/frame.h"
 #include "oraclegs/scene/transforms.h"
 

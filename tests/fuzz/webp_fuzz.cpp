@@ -3,7 +3,7 @@
 #include "fuzz/fuzz.h"
 #include "fuzz/images.h"
 #include "oraclegs/formats/webp.h"
-#include "oraclegs/image/webp.h"
+#include "oraclegs/image/codecs.h"
 
 ORACLEGS_FUZZ_TARGET(webp) {
   using namespace oraclegs;

@@ -1,4 +1,4 @@
-#include "oraclegs/image/jpeg.h"
+#include "oraclegs/image/codecs.h"
 
 #include "image/jpeg_files.h"
 #include "support/errors.h"

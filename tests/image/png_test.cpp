@@ -1,4 +1,4 @@
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 
 #include "oraclegs/core/files.h"
 

@@ -1,4 +1,4 @@
-#include "oraclegs/image/webp.h"
+#include "oraclegs/image/codecs.h"
 
 #include "image/jpeg_files.h"
 #include "image/photo_files.h"

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/read_scene.h"
 #include "oraclegs/scene/transforms.h"

@@ -7,7 +7,7 @@
 #include "oraclegs/camera/camera_path.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/gaussians/ply.h"
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/stages/evaluate_stage.h"
 #include "run/fixtures.h"
 #include "support/buffers.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "depth/surfaces.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/propose/generator_files.h"
 #include "support/errors.h"
 #include "support/temp_dir.h"

@@ -1,4 +1,4 @@
-#include "oraclegs/propose/make_warp_device.h"
+#include "oraclegs/propose/warp_device.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/propose/folder.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "propose/rigs.h"

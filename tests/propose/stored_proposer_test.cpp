@@ -1,6 +1,6 @@
 #include "oraclegs/propose/stored_proposer.h"
 
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "support/errors.h"
 #include "support/temp_dir.h"
 

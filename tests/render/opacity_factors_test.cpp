@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "render/reference_raster.h"
 #include "render/scenes.h"
 #include "support/buffers.h"

@@ -2,7 +2,7 @@
 
 #include <hwy/targets.h>
 
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "render/golden_scene.h"
 
 namespace oraclegs {

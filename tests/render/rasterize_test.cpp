@@ -1,6 +1,6 @@
 // The rasterizer against a slow reference renderer, closed forms and finite differences.
 
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "render/reference_raster.h"
 #include "render/scenes.h"
 #include "support/buffers.h"

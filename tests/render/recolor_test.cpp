@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "render/scenes.h"
 
 namespace oraclegs {

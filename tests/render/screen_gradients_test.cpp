@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "support/buffers.h"
 
 namespace oraclegs {

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "run/fixtures.h"
 #include "support/errors.h"
 #include "support/event_recorder.h"

@@ -1,4 +1,4 @@
-#include "oraclegs/scene/colmap_text.h"
+#include "oraclegs/scene/colmap_files.h"
 
 #include "scene/tiny_scenes.h"
 #include "support/errors.h"

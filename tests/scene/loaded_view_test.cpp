@@ -5,7 +5,7 @@
 #include "image/jpeg_files.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/image/read_image.h"
 #include "support/errors.h"
 #include "support/event_recorder.h"

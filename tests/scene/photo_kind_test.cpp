@@ -1,6 +1,6 @@
 #include "oraclegs/scene/photo_kind.h"
 
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "scene/tiny_scenes.h"
 #include "support/temp_dir.h"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "oraclegs/core/files.h"
-#include "oraclegs/scene/colmap_text.h"
+#include "oraclegs/scene/colmap_files.h"
 #include "scene/tiny_scenes.h"
 #include "support/errors.h"
 #include "support/event_recorder.h"

@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "oraclegs/scene/colmap_files.h"
 #include "oraclegs/scene/colmap_model.h"
-#include "oraclegs/scene/colmap_text.h"
 #include "oraclegs/scene/split.h"
 #include "scene/tiny_scenes.h"
 #include "support/errors.h"

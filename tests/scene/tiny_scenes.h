@@ -13,7 +13,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/progress.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "support/temp_dir.h"
 
 namespace oraclegs {

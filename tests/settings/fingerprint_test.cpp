@@ -1,6 +1,6 @@
 #include "oraclegs/settings/fingerprint.h"
 
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/scene/read_scene.h"
 #include "run/fixtures.h"
 #include "support/temp_dir.h"

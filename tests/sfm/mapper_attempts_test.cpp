@@ -12,8 +12,8 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/scene/colmap_files.h"
 #include "oraclegs/scene/colmap_model.h"
-#include "oraclegs/scene/colmap_text.h"
 #include "oraclegs/scene/read_colmap.h"
 #include "oraclegs/sfm/colmap_runner.h"
 #include "scene/tiny_scenes.h"

@@ -8,8 +8,8 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/image/image.h"
-#include "oraclegs/image/png.h"
 #include "oraclegs/sfm/register_views.h"
 #include "oraclegs/sfm/triangulate.h"
 #include "support/errors.h"

@@ -1,6 +1,6 @@
 #include "oraclegs/stages/oracle_report.h"
 
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/stages/validate_stage.h"

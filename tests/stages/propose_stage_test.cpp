@@ -1,6 +1,6 @@
 #include "oraclegs/stages/propose_stage.h"
 
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "run/proposing.h"
 #include "support/errors.h"

@@ -1,7 +1,7 @@
 #include "oraclegs/stages/run_stage.h"
 
 #include "oraclegs/core/files.h"
-#include "oraclegs/core/plural.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/stages/stage_clock.h"
 #include "oraclegs/stages/stage_table.h"
 #include "oraclegs/workspace/stage_records.h"

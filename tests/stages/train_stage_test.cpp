@@ -1,8 +1,8 @@
 #include "oraclegs/stages/train_stage.h"
 
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/image/image.h"
-#include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/output/live/curves.h"
 #include "oraclegs/run/reconstruct.h"

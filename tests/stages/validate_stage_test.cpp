@@ -1,6 +1,6 @@
 #include "oraclegs/stages/validate_stage.h"
 
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/workspace/non_commercial.h"
 #include "oraclegs/workspace/stage_records.h"
 #include "run/proposing.h"

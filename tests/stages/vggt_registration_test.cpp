@@ -1,7 +1,7 @@
 #include "oraclegs/stages/vggt_registration.h"
 
 #include "oraclegs/gaussians/ply.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/run/reconstruct.h"
 #include "oraclegs/scene/frame_comments.h"
 #include "oraclegs/scene/read_scene.h"

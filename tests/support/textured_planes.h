@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <string>
 
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/image/image.h"
-#include "oraclegs/image/png.h"
 #include "oraclegs/scene/scene.h"
 
 namespace oraclegs {

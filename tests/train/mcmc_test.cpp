@@ -1,5 +1,7 @@
 #include "oraclegs/train/mcmc.h"
+#include "train/small_scene.h"
 
+#include <gtest/gtest.h>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -297,5 +299,29 @@ TEST(McmcTest, RefusesMomentsOfAnotherSize) {
   EXPECT_THROW(AddGaussians(3, 600, 100, &g, &adam), ShapeError);
 }
 
+/// Gaussians after one refinement of a start with dead Gaussians.
+Gaussians Refined(TrainOptions options, bool* adds_noise) {
+  options = options.Settled();
+  const LossPlan plan(options, Photos(2));
+  auto rasterizer = MakeRasterizer(kCpu);
+  const std::unique_ptr<Densifier> densifier = MakeMcmcDensifier({options, plan, rasterizer.get()});
+  TrainedModel model{Start(), Adam(Start().size())};
+  densifier->Begin(model.gaussians.size());
+  *adds_noise = densifier->AddsNoise();
+  Iteration iteration;
+  iteration.seed = kSeed, iteration.number = 40, iteration.refines = true;
+  densifier->Refine(iteration, &model);
+  return model.gaussians;
+}
+
+TEST(McmcDensifier, MovesTheDeadAndGrows) {
+  bool adds_noise = false;
+  const Gaussians refined = Refined(Options(), &adds_noise);
+  EXPECT_TRUE(adds_noise);
+  EXPECT_EQ(refined.size(), 63) << "5 % more";
+  EXPECT_GT(Flat(refined.opacity_logits).minCoeff(), -6);
+}
+
 }  // namespace
+
 }  // namespace oraclegs

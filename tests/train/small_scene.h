@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/train/checkpoint_folder.h"
 #include "oraclegs/train/trainer.h"
 #include "train/gaussian_fixtures.h"

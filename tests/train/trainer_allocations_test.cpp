@@ -1,6 +1,6 @@
 #include <memory>
 
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/train/trainer.h"
 #include "support/allocations.h"
 #include "support/buffers.h"

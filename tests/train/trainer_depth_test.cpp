@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/train/schedule.h"
 #include "support/buffers.h"
 #include "train/small_scene.h"

@@ -8,7 +8,7 @@
 #include "oraclegs/camera/scene_bounds.h"
 #include "oraclegs/gaussians/initialize.h"
 #include "oraclegs/loss/photometric.h"
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/train/mcmc.h"
 #include "oraclegs/train/noise.h"
 #include "oraclegs/train/regularizers.h"

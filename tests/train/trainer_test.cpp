@@ -8,8 +8,8 @@
 #include <memory>
 
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/train/diverged.h"
-#include "oraclegs/train/make_train_device.h"
+#include "oraclegs/train/loss_terms.h"
+#include "oraclegs/train/train_device.h"
 #include "support/buffers.h"
 #include "support/errors.h"
 #include "support/temp_dir.h"

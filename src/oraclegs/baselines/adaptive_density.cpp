@@ -7,9 +7,9 @@
 #include "oraclegs/baselines/unpool.h"
 #include "oraclegs/camera/scene_bounds.h"
 #include "oraclegs/core/rng.h"
-#include "oraclegs/train/model_edits.h"
+#include "oraclegs/train/densify.h"
 #include "oraclegs/train/opacity_factors.h"
-#include "oraclegs/train/refine_schedule.h"
+#include "oraclegs/train/train_device.h"
 #include "oraclegs/train/train_math.h"
 
 namespace oraclegs {

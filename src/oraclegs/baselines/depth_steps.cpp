@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/train/train_math.h"
 
 namespace oraclegs {

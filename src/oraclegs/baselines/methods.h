@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "oraclegs/baselines/baseline_setup.h"
 #include "oraclegs/baselines/settings.h"
 #include "oraclegs/train/options.h"
 
@@ -28,5 +29,12 @@ const BaselineMethod& FindBaseline(std::string_view word);
 /// The row of a method for a dataset: "cor-gs-dtu" for "cor-gs" and "dtu", where its authors have such settings, else
 /// "cor-gs". Throws as FindBaseline.
 const BaselineMethod& BaselineFor(const std::string& method, const std::string& dataset);
+
+/// Throws UsageError where the settings of a method contradict each other or the options of its training, so that none
+/// is ignored silently. method: its name, for the message.
+void CheckBaseline(std::string_view method, const BaselineSettings& settings, const TrainOptions& options);
+
+/// Makes the method's densifier and parts, and weighs the photos where it does so. Throws as their constructors.
+void AddBaseline(BaselineSetup* setup);
 
 }  // namespace oraclegs

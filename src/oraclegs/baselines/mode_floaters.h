@@ -3,6 +3,9 @@
 // blending weight of a pixel lies far before the blended depth, it and all before it are taken to be floaters. The
 // threshold follows from how bimodal the differences are. Constants and details are those of the public code.
 
+#include <vector>
+
+#include "oraclegs/baselines/baseline_setup.h"
 #include "oraclegs/baselines/ray_modes.h"
 
 namespace oraclegs {
@@ -27,5 +30,25 @@ double FloaterPercentile(double mean_dip, const ModeFloaterOptions& options);
 /// 20000 of 30000. The result does not depend on the number of threads. Throws ShapeError as RayView.
 std::vector<uint8_t> FindModeFloaters(const Gaussians& gaussians, const std::vector<Camera>& cameras,
                                       const RenderOptions& render, const ModeFloaterOptions& options);
+
+/// Opacity logit of removed Gaussians: below what any render shows, so that no gradient reaches them again.
+inline constexpr float kRemovedLogit = -20;
+
+/// Runs before the view of iteration prune_modes_at: Gaussians that FindModeFloaters finds from the photos' cameras
+/// get kRemovedLogit and opacity moments of 0. The next refinement removes them with adaptive density control and
+/// relocates them with 3DGS-MCMC; without one, as in the published schedule, they stay in the model and are invisible.
+class PruneModes final : public MethodPart {
+ public:
+  explicit PruneModes(const BaselineSetup& setup);
+
+  /// Adds no gradient, returns 0.
+  double BeforeView(const Iteration& iteration, TrainedModel* model, PartGradients* grads) override;
+
+ private:
+  int at_;
+  bool antialiased_;
+  std::array<float, 3> background_;
+  std::vector<Camera> cameras_;
+};
 
 }  // namespace oraclegs

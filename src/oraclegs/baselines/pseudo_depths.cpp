@@ -5,8 +5,8 @@
 
 #include "oraclegs/baselines/pseudo_views.h"
 #include "oraclegs/loss/pearson_depth.h"
-#include "oraclegs/render/make_rasterizer.h"
-#include "oraclegs/train/diverged.h"
+#include "oraclegs/render/render.h"
+#include "oraclegs/train/loss_terms.h"
 
 namespace oraclegs {
 

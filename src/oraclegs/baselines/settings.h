@@ -2,6 +2,8 @@
 // Settings of published methods for few photos, as their authors have them; this program's own training does without
 // (docs/baselines.md). baselines/methods.h has those of each method.
 
+#include <string>
+
 #include "oraclegs/core/options.h"
 
 namespace oraclegs {
@@ -47,6 +49,22 @@ struct BaselineSettings {
   bool StepsByDepth() const { return hard_depth || soft_depth_start > 0; }
   bool UsesDepth() const {
     return StepsByDepth() || covisibility_weights || pseudo_depth_weight > 0 || depth_correlation > 0;
+  }
+};
+
+/// Published method whose densifier and parts the training has (baselines/methods.h).
+struct MethodOptions {
+  std::string method;  ///< "" = this program's own training
+
+  /// Settings of the method; those of none where it is not given. Throws UsageError for a word that is none.
+  BaselineSettings Settings() const;
+
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("method", self.method,
+          "Densify and regularize as this published method does; `oraclegs bench` sets it together with the other "
+          "options of the method (docs/baselines.md)",
+          Tier::kSetting);
   }
 };
 

@@ -5,15 +5,13 @@
 #include <cstdlib>
 #include <mutex>
 
-#include "oraclegs/capture/sharpness.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/statistics.h"
 #include "oraclegs/core/text.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/image/read_image.h"
-#include "oraclegs/image/thumbnail.h"
 #include "oraclegs/scene/photo_folder.h"
 
 namespace oraclegs {
@@ -150,6 +148,23 @@ PhotoTrouble CheckPhotos(const std::vector<CheckedPhoto>& photos, const Listener
   }
   for (std::string& text : DescribeTrouble(names, readable)) trouble.warnings.push_back(std::move(text));
   return trouble;
+}
+
+double Sharpness(const Image8& gray) {
+  if (gray.width < 3 || gray.height < 3) return 0;
+  const auto width = static_cast<size_t>(gray.width);
+  double sum = 0, squares = 0;
+  for (size_t y = 1; y + 1 < static_cast<size_t>(gray.height); ++y) {
+    const uint8_t* row = gray.data.data() + y * width;
+    for (size_t x = 1; x + 1 < width; ++x) {
+      const uint8_t* at = row + x;
+      const double laplacian = at[-1] + at[1] + *(at - width) + at[width] - 4.0 * at[0];
+      sum += laplacian;
+      squares += laplacian * laplacian;
+    }
+  }
+  const double count = static_cast<double>((width - 2) * static_cast<size_t>(gray.height - 2));
+  return squares / count - (sum / count) * (sum / count);
 }
 
 }  // namespace oraclegs

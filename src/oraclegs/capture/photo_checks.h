@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "oraclegs/core/progress.h"
+#include "oraclegs/image/image.h"
 
 namespace oraclegs {
 
@@ -41,5 +42,9 @@ struct PhotoTrouble {
 /// Reads the signs of photos without poses and describes the trouble. Reports StepDone{"check"}. Throws InputError
 /// naming a photo that cannot be decoded when fewer than three others can.
 PhotoTrouble CheckPhotos(const std::vector<CheckedPhoto>& photos, const Listener& listener);
+
+/// Fine detail of a gray image: the variance of its Laplacian (gray levels squared). The blurred one of two images of
+/// one scene and size has less. 0 for images below 3 x 3.
+double Sharpness(const Image8& gray);
 
 }  // namespace oraclegs

@@ -9,19 +9,18 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "oraclegs/capture/sharpness.h"
+#include "oraclegs/capture/photo_checks.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/find_program.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/subprocess.h"
-#include "oraclegs/core/system_reason.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/core/unique_json.h"
-#include "oraclegs/image/heif.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/image/image.h"
-#include "oraclegs/image/thumbnail.h"
+#include "oraclegs/image/read_image.h"
 
 namespace oraclegs {
 namespace {

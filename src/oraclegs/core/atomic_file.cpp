@@ -15,7 +15,6 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/host.h"
-#include "oraclegs/core/system_reason.h"
 
 namespace oraclegs {
 namespace fs = std::filesystem;

@@ -2,18 +2,35 @@
 // The engine's memory: arrays of numbers on the host or on a GPU, and the checks at the borders.
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <initializer_list>
 #include <memory>
 #include <span>
+#include <string>
 #include <type_traits>
 #include <vector>
 
-#include "oraclegs/core/device.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/shape.h"
 
 namespace oraclegs {
+
+enum class DeviceKind : uint8_t { kCpu, kCuda };
+
+/// Where numbers lie and who computes with them: the host, or one NVIDIA GPU.
+struct Device {
+  DeviceKind kind = DeviceKind::kCpu;
+  int index = 0;  ///< of the GPU, from 0
+
+  bool is_cpu() const { return kind == DeviceKind::kCpu; }
+  bool is_cuda() const { return kind == DeviceKind::kCuda; }
+  /// "cpu", "cuda:0": what --device takes.
+  std::string Name() const { return is_cpu() ? "cpu" : "cuda:" + std::to_string(index); }
+  bool operator==(const Device&) const = default;
+};
+
+inline constexpr Device kCpu{};
 
 /// Bytes of memory on a device: host memory starts at a multiple of 64, freed with the last handle. Throws OutOfMemory
 /// (a GPU), UsageError for a device that this build cannot use.

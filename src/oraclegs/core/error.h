@@ -6,6 +6,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <utility>
 
 namespace oraclegs {
@@ -66,5 +67,9 @@ class ShapeError : public std::logic_error {
   explicit ShapeError(fmt::format_string<Args...> format, Args&&... args)
       : std::logic_error(fmt::format(format, std::forward<Args>(args)...)) {}
 };
+
+/// The system's words for an errno, with how to fix it where that is known: "No space left on device; make room there".
+std::string SystemReason(int error);
+std::string SystemReason(const std::error_code& error);
 
 }  // namespace oraclegs

@@ -1,9 +1,10 @@
 #pragma once
-// Reading whole files and writing them so that a reader never sees half of one.
+// Reading whole files, mapping large ones, and writing them so that a reader never sees half of one.
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,5 +31,16 @@ void ReplaceFile(const std::filesystem::path& path, std::string_view bytes);
 
 /// Creates `dir` and its parents and proves that files can be made in it. Throws RunError naming it and the reason.
 void RequireWritableFolder(const std::filesystem::path& dir);
+
+/// A file in memory: up to 64 MiB it is read; of a larger one, such as the weights of a network, pages come when they
+/// are looked at, and a program that shortens it meanwhile ends this one by SIGBUS.
+struct MappedFile {
+  std::string_view bytes;             ///< valid as long as `owner` lives
+  std::shared_ptr<const void> owner;  ///< of the memory, which nobody writes to
+};
+
+/// Throws InputError naming `path` when it cannot be opened or read, is not a regular file, is empty or cannot be
+/// mapped.
+MappedFile MapFile(const std::filesystem::path& path);
 
 }  // namespace oraclegs

@@ -14,7 +14,7 @@
 
 #include "oraclegs/core/bfloat16.h"
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/mapped_file.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/safetensors_layout.h"
 #include "oraclegs/core/shard_index.h"
 #include "oraclegs/core/unique_json.h"

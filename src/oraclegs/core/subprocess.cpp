@@ -19,7 +19,6 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/process_group.h"
-#include "oraclegs/core/system_reason.h"
 
 namespace oraclegs {
 namespace fs = std::filesystem;

@@ -1,6 +1,9 @@
 #pragma once
-// Text for people: durations, sizes, lists of names, words out of damaged files, columns.
+// Text for people: durations, sizes, lists of names, words out of damaged files, counts, mistyped words, columns.
 
+#include <fmt/format.h>
+
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -48,5 +51,19 @@ std::string Printable(std::string_view text, size_t max_bytes = 120);
 /// than `sides` reaches over the columns it lacks. Texts are UTF-8, one column wide a character; no line ends in
 /// blanks.
 std::string AlignColumns(const std::vector<std::vector<std::string>>& rows, const std::string& sides);
+
+/// "1 view", "0 views", "12 views": a count with a noun whose plural has an s more.
+template <std::integral Count>
+std::string Counted(Count count, std::string_view noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+/// The one of `words` that `typed` is most likely a slip of: at most a third of its letters are wrong, missing, too
+/// many or swapped with the next, or it is the beginning (3 letters or more) of a word. Case does not count. The first
+/// of several as near; empty when none is.
+std::string NearestWord(std::string_view typed, const std::vector<std::string>& words);
+
+/// "; did you mean 'white'?" of the nearest word, or nothing: the end of an error message.
+std::string DidYouMean(std::string_view typed, const std::vector<std::string>& words);
 
 }  // namespace oraclegs

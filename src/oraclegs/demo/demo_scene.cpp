@@ -12,7 +12,7 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/demo/raytracer.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 
 namespace oraclegs {
 namespace {

@@ -12,9 +12,9 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/unique_json.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/image/colormap.h"
 #include "oraclegs/image/image.h"
-#include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
 
 namespace oraclegs {

@@ -1,12 +1,9 @@
-#include "oraclegs/depth/make_plane_search.h"
+#include "oraclegs/depth/plane_search.h"
 
 #include <utility>
 
 #include "oraclegs/core/config.h"
 #include "oraclegs/core/error.h"
-#if defined(ORACLEGS_CUDA)
-#include "oraclegs/depth/cuda/cuda_plane_search.h"
-#endif
 
 namespace oraclegs {
 namespace {

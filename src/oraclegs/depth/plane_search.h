@@ -1,8 +1,10 @@
 #pragma once
 // Interface of the search for stereo's planes on every device.
 
+#include <memory>
 #include <vector>
 
+#include "oraclegs/core/buffer.h"
 #include "oraclegs/depth/patch_match.h"
 
 namespace oraclegs {
@@ -29,4 +31,17 @@ class PlaneSearch {
   virtual std::vector<PlaneMap> EndLevel() = 0;
 };
 
+/// Makes the search of a device. On the CPU it uses all threads, and any number of them gives the same bits. On a GPU
+/// it is the same search with the same random numbers: equal up to rounding, and the same bits on the same GPU. Throws
+/// UsageError when there is no such GPU, or the program was built without CUDA; on a GPU BeginLevel throws OutOfMemory.
+std::unique_ptr<PlaneSearch> MakePlaneSearch(Device device);
+
 }  // namespace oraclegs
+
+namespace oraclegs::cuda {
+
+/// Makes the search on a GPU; see MakePlaneSearch. From BeginLevel to EndLevel the GPU holds the images, maps and
+/// silhouettes of a level: about 32 bytes a pixel, and 4 more for each channel.
+std::unique_ptr<PlaneSearch> MakeCudaPlaneSearch(int index);
+
+}  // namespace oraclegs::cuda

@@ -9,8 +9,8 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/evaluate/image_names.h"
 #include "oraclegs/evaluate/metrics.h"
-#include "oraclegs/image/png.h"
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/image/codecs.h"
+#include "oraclegs/render/render.h"
 
 namespace oraclegs {
 namespace {

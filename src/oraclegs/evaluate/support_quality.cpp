@@ -10,7 +10,7 @@
 #include "oraclegs/evaluate/evaluate.h"
 #include "oraclegs/evaluate/oracle_quality.h"
 #include "oraclegs/evaluate/rank_statistics.h"
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 
 namespace oraclegs {
 namespace {

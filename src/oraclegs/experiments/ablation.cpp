@@ -11,7 +11,6 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/experiments/ablation_rows.h"
-#include "oraclegs/experiments/published_steps.h"
 #include "oraclegs/experiments/series.h"
 #include "oraclegs/run/reconstruct.h"
 #include "oraclegs/run/stages.h"

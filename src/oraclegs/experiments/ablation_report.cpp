@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "oraclegs/core/text.h"
-#include "oraclegs/experiments/published_steps.h"
+#include "oraclegs/experiments/ablation_rows.h"
 #include "oraclegs/settings/named_options.h"
 
 namespace oraclegs {

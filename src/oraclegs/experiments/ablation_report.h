@@ -32,7 +32,7 @@ struct Ablation {
   std::string scene, command, version;
   std::vector<std::string> scenes = {};  ///< scenes of a mean over several; views and pixels are then 0
   size_t train_views = 0, test_views = 0;
-  /// 12 or 24 where images are those of the paper's table 3 (published_steps.h): its numbers stand beside a mean over
+  /// 12 or 24 where images are those of the paper's table 3 (ablation_rows.h): its numbers stand beside a mean over
   /// all scenes of that table.
   int published_views = 0;
   int width = 0, height = 0;  ///< pixels of a training view

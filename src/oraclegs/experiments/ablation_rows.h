@@ -1,5 +1,6 @@
 #pragma once
-// Rows of an ablation: those of Table 3 of the OracleGS paper in its order, then the parts that only this program has.
+// Rows of an ablation: those of Table 3 of the OracleGS paper in its order, then the parts that only this program has;
+// and the numbers that the paper prints for them.
 
 #include <string>
 #include <vector>
@@ -29,5 +30,21 @@ std::vector<size_t> ChooseRows(const std::string& words);
 
 /// Throws UsageError when `asked` has no proposals or fixes the start, on which several rows depend.
 void RequireAblatable(const RunOptions& asked);
+
+/// Row of the ablation on Mip-NeRF 360 ([Topaloglu 2026], table 3): means over its scenes.
+struct PublishedStep {
+  std::string row;   ///< AblationRow::name
+  std::string psnr;  ///< dB, as printed; "29.85*" is a misprint, with which no difference is formed
+  double ssim = 0, lpips = 0;
+};
+
+/// The rows for 12 or 24 training views, in their order; empty for another number.
+std::vector<PublishedStep> PublishedSteps(int views);
+
+/// 12 or 24 where a scene of that table, by the name of its folder, is split and sized as there; 0 for all others.
+int ViewsOfPublishedSteps(const std::string& scene, const RunOptions& options);
+
+/// True when these are all scenes of that table, in any order.
+bool AreScenesOfPublishedSteps(std::vector<std::string> scenes);
 
 }  // namespace oraclegs

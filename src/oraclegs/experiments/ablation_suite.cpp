@@ -4,7 +4,7 @@
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/text.h"
-#include "oraclegs/experiments/published_steps.h"
+#include "oraclegs/experiments/ablation_rows.h"
 #include "oraclegs/experiments/series.h"
 #include "oraclegs/scene/read_scene.h"
 #include "oraclegs/scene/split.h"

@@ -13,7 +13,6 @@ Ablation MeanOver(const std::vector<Ablation>& scenes);
 /// Runs RunAblation for request.run.scene and each of options.also in out/NAME, named after its folder. Rewrites the
 /// mean, out/ablation.json and out/ablation.md, after each scene. Throws as RunAblation does, and UsageError when two
 /// scenes have one name.
-/// when two scenes have one name.
 Ablation RunSuite(const AblationRequest& request, const Listener& listener);
 
 }  // namespace oraclegs

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/propose/proposal_files.h"
 

@@ -14,7 +14,7 @@
 #include "oraclegs/experiments/confidence_check.h"
 #include "oraclegs/experiments/series.h"
 #include "oraclegs/experiments/tampered_views.h"
-#include "oraclegs/experiments/tampering_plot.h"
+#include "oraclegs/experiments/tampering_report.h"
 #include "oraclegs/run/reconstruct.h"
 #include "oraclegs/run/stages.h"
 #include "oraclegs/scene/loaded_view.h"

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "oraclegs/core/text.h"
+#include "oraclegs/experiments/line_chart.h"
 
 namespace oraclegs {
 namespace {
@@ -134,6 +135,8 @@ json ConfidenceToJson(const TamperedConfidence& c) {
           {"auroc_of_kind", KindsToJson([&](size_t kind) { return c.auroc_of_kind[kind]; })}};
 }
 
+constexpr std::array kLineColors = {"#777777", "#c0392b", "#1f5fbf", "#2e8b57"};
+
 }  // namespace
 
 std::optional<Spread> TamperingPsnr(const TamperingReport& report, size_t share, TamperingTrust trust) {
@@ -234,6 +237,23 @@ std::string TamperingMarkdown(const TamperingReport& report) {
       "- on tampered, on honest: mean confidence of such pixels.\n";
   for (const std::string& note : report.notes) text += "- " + note + "\n";
   return text;
+}
+
+std::string TamperingPlot(const TamperingReport& report) {
+  LineChart chart{.x_title = "tampered pixels of the proposals", .y_title = "test PSNR, dB", .x_high = 100};
+  for (const TamperingShare& share : report.shares) {
+    chart.ticks.push_back({static_cast<double>(share.percent), fmt::format("{} %", share.percent)});
+  }
+  for (size_t t = 0; t < kTamperingTrustNames.size(); ++t) {
+    ChartLine line{kTamperingTrustNames[t], kLineColors[t], {}};
+    for (size_t s = 0; s < report.shares.size(); ++s) {
+      if (const auto psnr = TamperingPsnr(report, s, static_cast<TamperingTrust>(t))) {
+        line.points.push_back({static_cast<double>(report.shares[s].percent), psnr->mean});
+      }
+    }
+    chart.lines.push_back(std::move(line));
+  }
+  return ChartSvg(chart);
 }
 
 }  // namespace oraclegs

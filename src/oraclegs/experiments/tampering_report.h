@@ -79,4 +79,7 @@ std::string TamperingText(const TamperingReport& report);
 /// Document with a heading, the plot (tampering.svg), the tables, explanations of their columns, and the notes.
 std::string TamperingMarkdown(const TamperingReport& report);
 
+/// Test PSNR over the tampered share as an SVG image: a line, with its name, for each trust that has scores.
+std::string TamperingPlot(const TamperingReport& report);
+
 }  // namespace oraclegs

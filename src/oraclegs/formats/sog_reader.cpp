@@ -1,4 +1,4 @@
-#include "oraclegs/formats/sog_reader.h"
+#include "oraclegs/formats/sog.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 #include <map>
 #include <system_error>
 
+#include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/core/system_reason.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/formats/sog_layout.h"
 #include "oraclegs/formats/webp.h"

@@ -1,4 +1,4 @@
-#include "oraclegs/formats/sog_writer.h"
+#include "oraclegs/formats/sog.h"
 
 #include <algorithm>
 #include <cmath>

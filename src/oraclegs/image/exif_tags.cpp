@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "oraclegs/image/heif.h"
+#include "oraclegs/image/codecs.h"
 
 namespace oraclegs {
 namespace {

@@ -1,5 +1,5 @@
 #pragma once
-// Images in memory. png.h, jpeg.h and read_image.h read and write them.
+// Images in memory. codecs.h and read_image.h read and write them.
 
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,6 @@
 // libpng reports errors by longjmp. Each call into it therefore stands in a function without objects that have
 // destructors (RunRead, RunWrite); what they own lives in the caller.
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 
 #include <png.h>
 

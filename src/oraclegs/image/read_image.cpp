@@ -3,17 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <string>
 #include <string_view>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/function_ref.h"
-#include "oraclegs/image/heif.h"
-#include "oraclegs/image/jpeg.h"
-#include "oraclegs/image/png.h"
-#include "oraclegs/image/tiff.h"
-#include "oraclegs/image/webp.h"
+#include "oraclegs/image/codecs.h"
 
 namespace oraclegs {
 namespace {
@@ -61,6 +58,18 @@ const char* ExtensionOf(const std::string& bytes) {
   return IsWebp(bytes) ? ".webp" : ".tif";
 }
 
+constexpr uint64_t kMaxThumbnailFile = uint64_t{1} << 31;
+
+Image8 ToGray(const Image8& image) {
+  if (image.channels == 1) return image;
+  Image8 gray{image.width, image.height, 1, std::vector<uint8_t>(image.data.size() / image.channels)};
+  for (size_t i = 0; i < gray.data.size(); ++i) {
+    const uint8_t* pixel = image.data.data() + i * static_cast<size_t>(image.channels);
+    gray.data[i] = static_cast<uint8_t>((77 * pixel[0] + 150 * pixel[1] + 29 * pixel[2]) >> 8);
+  }
+  return gray;
+}
+
 }  // namespace
 
 Image8 ReadImage(const std::filesystem::path& path, Orientation orientation) {
@@ -104,6 +113,17 @@ bool HasImageExtension(const std::filesystem::path& path) {
   static constexpr std::array<std::string_view, 13> kKnown = {
       ".jpg", ".jpeg", ".jpe", ".jfif", ".mpo", ".png", ".heic", ".heif", ".hif", ".avif", ".webp", ".tif", ".tiff"};
   return std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end();
+}
+
+Image8 ReadGrayThumbnail(const std::filesystem::path& path, int max_side) {
+  const std::string bytes = ReadFile(path, kMaxThumbnailFile);
+  Image8 gray = IsJpeg(bytes) ? DecodeReducedJpeg(bytes, path.string(), max_side)
+                              : ToGray(ReadImage(path, Orientation::kAsStored));
+  const int longest = std::max(gray.width, gray.height);
+  if (longest <= max_side) return gray;
+  const double scale = static_cast<double>(max_side) / longest;
+  return ToImage8(ResizeArea(ToFloat(gray), std::max(1, static_cast<int>(std::lround(gray.width * scale))),
+                             std::max(1, static_cast<int>(std::lround(gray.height * scale)))));
 }
 
 }  // namespace oraclegs

@@ -38,4 +38,8 @@ bool IsImage(std::string_view bytes);
 /// True for .jpg .jpeg .jpe .jfif .mpo .png .heic .heif .hif .avif .webp .tif .tiff in any case.
 bool HasImageExtension(const std::filesystem::path& path);
 
+/// An image file reduced to gray with its longer side at most `max_side`, as stored (EXIF does not turn it); a large
+/// JPEG is not decoded in full. Throws InputError naming the file.
+Image8 ReadGrayThumbnail(const std::filesystem::path& path, int max_side);
+
 }  // namespace oraclegs

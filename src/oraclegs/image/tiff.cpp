@@ -1,4 +1,4 @@
-#include "oraclegs/image/tiff.h"
+#include "oraclegs/image/codecs.h"
 
 #include <tiffio.h>
 

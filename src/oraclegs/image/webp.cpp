@@ -1,4 +1,4 @@
-#include "oraclegs/image/webp.h"
+#include "oraclegs/image/codecs.h"
 
 #include <webp/decode.h>
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "oraclegs/core/buffer.h"
-#include "oraclegs/loss/mask_meaning.h"
+#include "oraclegs/loss/ssim_window.h"
 
 namespace oraclegs {
 

@@ -7,12 +7,12 @@
 #include <utility>
 
 #include "oraclegs/camera/camera_path.h"
+#include "oraclegs/core/host.h"
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/core/memory.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/mesh/isosurface.h"
 #include "oraclegs/mesh/vertex_colors.h"
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 
 namespace oraclegs {
 namespace {

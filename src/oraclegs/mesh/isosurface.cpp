@@ -3,7 +3,7 @@
 #include <dlfcn.h>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/library_file.h"
+#include "oraclegs/core/find_program.h"
 
 namespace oraclegs {
 namespace {

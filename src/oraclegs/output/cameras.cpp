@@ -6,12 +6,11 @@
 #include <set>
 
 #include "oraclegs/core/atomic_file.h"
+#include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/core/system_reason.h"
-#include "oraclegs/image/jpeg.h"
-#include "oraclegs/image/png.h"
-#include "oraclegs/scene/colmap_text.h"
+#include "oraclegs/image/codecs.h"
+#include "oraclegs/scene/colmap_files.h"
 #include "oraclegs/scene/point_ply.h"
 #include "oraclegs/workspace/workspace.h"
 

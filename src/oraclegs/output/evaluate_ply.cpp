@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/core/files.h"
-#include "oraclegs/core/memory.h"
+#include "oraclegs/core/host.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/stages/evaluate_stage.h"
 #include "oraclegs/stages/stage_clock.h"

@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "oraclegs/scene/posed_scene.h"
+#include "oraclegs/scene/frame.h"
 #include "oraclegs/settings/options.h"
 
 namespace oraclegs {

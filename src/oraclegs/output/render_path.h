@@ -7,7 +7,7 @@
 
 #include "oraclegs/core/options.h"
 #include "oraclegs/core/progress.h"
-#include "oraclegs/scene/posed_scene.h"
+#include "oraclegs/scene/frame.h"
 #include "oraclegs/stages/evaluate_stage.h"
 
 namespace oraclegs {

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "oraclegs/image/colormap.h"
-#include "oraclegs/render/make_rasterizer.h"
 #include "oraclegs/render/recolor.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/render/surface.h"
 
 namespace oraclegs {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 
 namespace oraclegs {
 namespace {

@@ -7,7 +7,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/subprocess.h"
 #include "oraclegs/core/text.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 
 namespace oraclegs {
 namespace {

@@ -1,4 +1,4 @@
-#include "oraclegs/propose/make_warp_device.h"
+#include "oraclegs/propose/warp_device.h"
 
 #include <algorithm>
 #include <memory>
@@ -6,9 +6,6 @@
 #include "oraclegs/core/config.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/propose/warp_shading.h"
-#if defined(ORACLEGS_CUDA)
-#include "oraclegs/propose/cuda/cuda_warp_device.h"
-#endif
 
 namespace oraclegs {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/scene.h"
 #include "oraclegs/scene/transforms_frame.h"

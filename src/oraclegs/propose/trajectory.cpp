@@ -8,8 +8,8 @@
 
 #include "oraclegs/camera/scene_bounds.h"
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/core/plural.h"
 #include "oraclegs/core/rng.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/propose/candidates.h"
 #include "oraclegs/propose/coverage.h"
 #include "oraclegs/propose/proposal_files.h"

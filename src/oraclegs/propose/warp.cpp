@@ -6,7 +6,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/depth/plane.h"
 #include "oraclegs/propose/fill_holes.h"
-#include "oraclegs/propose/make_warp_device.h"
+#include "oraclegs/propose/warp_device.h"
 
 namespace oraclegs {
 namespace {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "oraclegs/core/device.h"
+#include "oraclegs/core/buffer.h"
 #include "oraclegs/propose/proposal.h"
 #include "oraclegs/propose/warp_device.h"
 

@@ -3,8 +3,10 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <memory>
 #include <vector>
 
+#include "oraclegs/core/buffer.h"
 #include "oraclegs/depth/depth_map.h"
 #include "oraclegs/depth/silhouettes.h"
 #include "oraclegs/propose/warp_math.h"
@@ -53,4 +55,23 @@ class WarpDevice {
   virtual std::vector<float> Shade(const WarpTask& task, const WarpDepth& depth, WarpedView* view) = 0;
 };
 
+/// Makes the warp device of that name; `sources` must outlive it. On a GPU, which becomes the current one, it keeps a
+/// copy of all images. Throws UsageError for a device this build cannot use, OutOfMemory.
+std::unique_ptr<WarpDevice> MakeWarpDevice(Device device, const WarpSources& sources);
+
 }  // namespace oraclegs
+
+namespace oraclegs::cuda {
+
+/// Samples (8 bytes each) of a new view that are listed at once; about as many as a dozen images of a million pixels
+/// have.
+inline constexpr int64_t kListedSamples = int64_t{1} << 25;
+
+/// Makes the device that warps on GPU `index`. It keeps the images and their depth there (about 22 bytes a pixel) and
+/// warps one view at a time, while other threads fill holes. A view takes another 70 bytes a pixel and the listed
+/// samples, at least those of a single pixel. Memory for a view of the images' size is allocated here, since networks
+/// that run between two views keep free memory. Throws UsageError when there is no such GPU, OutOfMemory.
+std::unique_ptr<WarpDevice> MakeCudaWarpDevice(const WarpSources& sources, int index,
+                                               int64_t listed_samples = kListedSamples);
+
+}  // namespace oraclegs::cuda

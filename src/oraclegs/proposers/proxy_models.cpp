@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <utility>
 
-#include "oraclegs/core/plural.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/gaussians/initialize.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/stages/stage_seconds.h"
 #include "oraclegs/stages/start_points.h"
 #include "oraclegs/stages/train_inputs.h"
-#include "oraclegs/train/make_train_device.h"
+#include "oraclegs/train/train_device.h"
 #include "oraclegs/train/trainer.h"
 
 namespace oraclegs {

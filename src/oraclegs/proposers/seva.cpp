@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/networks/loader.h"
 #include "oraclegs/settings/device.h"
 #include "oraclegs/settings/fingerprint.h"

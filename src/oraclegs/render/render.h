@@ -1,8 +1,9 @@
 #pragma once
-// The one rasterizer interface. Semantics: docs/method.md#projection to #color-gradient. make_rasterizer.h makes the
-// rasterizer of a device.
+// The one rasterizer interface. Semantics: docs/method.md#projection to #color-gradient. MakeRasterizer
+// makes that of a device.
 
 #include <array>
+#include <memory>
 
 #include "oraclegs/camera/camera.h"
 #include "oraclegs/gaussians/gaussians.h"
@@ -114,5 +115,28 @@ class Rasterizer {
   virtual RenderTimings timings() const = 0;
   virtual RenderStats stats() const = 0;
 };
+
+/// Makes the rasterizer of a device. Throws UsageError when this build has none for it.
+std::unique_ptr<Rasterizer> MakeRasterizer(Device device);
+
+namespace cpu {
+
+/// Makes the one of the CPU.
+std::unique_ptr<Rasterizer> MakeCpuRasterizer();
+
+}  // namespace cpu
+
+namespace cuda {  // only in builds with CUDA
+
+/// Makes the one of an NVIDIA GPU. All buffers are on the device, and those given must be. Work goes to the default
+/// stream, in order: results may be used at once by other work of that stream. timings() and stats() wait for the
+/// device. `runs`: as RasterCore's, for tests. Throws UsageError when there is no such device.
+std::unique_ptr<Rasterizer> MakeCudaRasterizer(Device device, int runs = 0);
+
+/// Estimate of the device memory that training takes for a view of so many pixels, images included, before it begins.
+/// `pairs` of a Gaussian and a tile depend on the scene.
+int64_t EstimateRasterizerBytes(int64_t gaussians, int64_t pairs, int64_t pixels);
+
+}  // namespace cuda
 
 }  // namespace oraclegs

@@ -1,6 +1,6 @@
 #include "oraclegs/run/announce_stages.h"
 
-#include "oraclegs/core/memory.h"
+#include "oraclegs/core/host.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/run/needed_photos.h"
 #include "oraclegs/run/speed_probe.h"

@@ -3,7 +3,7 @@
 #include <set>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/plural.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/sfm/choose_pairs.h"
 
 namespace oraclegs {

@@ -7,7 +7,6 @@
 #include "oraclegs/capture/import.h"
 #include "oraclegs/capture/video.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/output/live/live.h"

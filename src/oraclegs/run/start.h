@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "oraclegs/scene/posed_scene.h"
+#include "oraclegs/scene/frame.h"
 #include "oraclegs/stages/stage.h"
 
 namespace oraclegs {

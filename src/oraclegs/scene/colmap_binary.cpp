@@ -1,4 +1,4 @@
-#include "oraclegs/scene/colmap_binary.h"
+#include "oraclegs/scene/colmap_files.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,5 +1,5 @@
 #pragma once
-// COLMAP's sparse model in memory: cameras, images and points. colmap_binary.h and colmap_text.h parse its files,
+// COLMAP's sparse model in memory: cameras, images and points. colmap_files.h parses its files,
 // read_colmap.h reads a folder of them.
 
 #include <Eigen/Core>

@@ -10,7 +10,6 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/scene/named_files.h"
 #include "oraclegs/scene/view_list.h"

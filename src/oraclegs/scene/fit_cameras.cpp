@@ -7,7 +7,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/core/plural.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/image/read_image.h"
 
 namespace oraclegs {

@@ -9,6 +9,7 @@
 #include "oraclegs/camera/similarity.h"
 #include "oraclegs/core/options.h"
 #include "oraclegs/scene/scene.h"
+#include "oraclegs/scene/split.h"
 
 namespace oraclegs {
 
@@ -67,5 +68,12 @@ std::optional<double> UnitMeters(const Scene& scene, const std::string& text, bo
 
 /// Moves cameras and points; the bits of a scene stay as they are where nothing is to be moved.
 void ApplyFrame(const SceneFrame& frame, Scene* scene);
+
+/// A scene with poses, in its frame, and which of its views train and test.
+struct PosedScene {
+  Scene scene;
+  Split split;
+  SceneFrame frame = {};
+};
 
 }  // namespace oraclegs

@@ -11,11 +11,10 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/image/exif.h"
 #include "oraclegs/image/exif_tags.h"
-#include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/fit_cameras.h"
 

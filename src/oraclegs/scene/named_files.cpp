@@ -10,7 +10,6 @@
 #include <unordered_map>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/fold_name.h"

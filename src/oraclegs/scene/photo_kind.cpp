@@ -9,9 +9,8 @@
 #include <utility>
 
 #include "oraclegs/core/files.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/image/read_image.h"
-#include "oraclegs/image/tiff.h"
 
 namespace oraclegs {
 namespace {

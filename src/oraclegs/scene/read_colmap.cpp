@@ -7,8 +7,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/scene/colmap_binary.h"
-#include "oraclegs/scene/colmap_text.h"
+#include "oraclegs/scene/colmap_files.h"
 #include "oraclegs/scene/named_files.h"
 
 namespace oraclegs {

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/scene/view_list.h"
 

@@ -5,7 +5,6 @@
 #include <set>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/scene/declared_split.h"
 #include "oraclegs/scene/named_files.h"

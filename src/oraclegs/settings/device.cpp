@@ -5,7 +5,7 @@
 
 #include "oraclegs/core/config.h"
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/memory.h"
+#include "oraclegs/core/host.h"
 #if defined(ORACLEGS_CUDA)
 #include "oraclegs/core/cuda/check.h"
 #endif

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "oraclegs/core/device.h"
+#include "oraclegs/core/buffer.h"
 #include "oraclegs/core/progress.h"
 #include "oraclegs/networks/networks.h"
 

@@ -3,7 +3,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "oraclegs/core/nearest_word.h"
+#include "oraclegs/core/text.h"
 
 namespace oraclegs {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "oraclegs/baselines/make_parts.h"
+#include "oraclegs/baselines/methods.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/scene/frame.h"
 #include "oraclegs/validate/attention_layers.h"

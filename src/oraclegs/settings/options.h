@@ -6,7 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "oraclegs/baselines/options.h"
+#include "oraclegs/baselines/settings.h"
 #include "oraclegs/capture/options.h"
 #include "oraclegs/core/options.h"
 #include "oraclegs/depth/stereo.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "oraclegs/core/device.h"
+#include "oraclegs/core/buffer.h"
 #include "oraclegs/core/progress.h"
 #include "oraclegs/settings/device.h"
 #include "oraclegs/settings/options.h"

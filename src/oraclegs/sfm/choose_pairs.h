@@ -3,11 +3,13 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "oraclegs/sfm/colmap_runner.h"
+#include "oraclegs/sfm/matched_features.h"
 
 namespace oraclegs {
 
@@ -25,5 +27,10 @@ inline constexpr int kNextInOrder = 4, kMaxAlike = 10;
 /// Matches the images of colmap's database: all pairs of at most kMaxImagesToMatchAll, else chosen ones, which
 /// it is reported to `listener`.
 void MatchImages(const ColmapRunner& colmap, const ColmapOptions& options, const Listener& listener);
+
+/// Vectors of locally aggregated descriptors [Jegou 2010], one a row, of unit length: of each of 32 clusters of the
+/// descriptors of all images, where the image's differ from its center. A row of zeros for an image without features.
+/// Deterministic: equal descriptors give equal bits.
+Eigen::MatrixXf DescribeImages(const std::vector<DescriptorMatrix>& images);
 
 }  // namespace oraclegs

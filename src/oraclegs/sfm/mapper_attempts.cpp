@@ -10,7 +10,6 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/core/system_reason.h"
 #include "oraclegs/scene/read_colmap.h"
 #include "oraclegs/sfm/choose_pairs.h"
 #include "oraclegs/sfm/colmap_database.h"

@@ -1,13 +1,15 @@
 #include "oraclegs/sfm/matched_features.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <set>
 #include <utility>
 
-#include <fmt/format.h>
-
+#include "oraclegs/core/error.h"
 #include "oraclegs/sfm/database_file.h"
 
 namespace oraclegs {
@@ -74,6 +76,12 @@ std::vector<float> ReadScales(const DatabaseFile& open, uint32_t image_id) {
   return scales;
 }
 
+std::map<uint32_t, std::string> NamesById(const std::filesystem::path& database) {
+  std::map<uint32_t, std::string> names;
+  for (const auto& [name, image] : ReadDatabaseImages(database)) names[image.image_id] = name;
+  return names;
+}
+
 }  // namespace
 
 std::vector<PointMatch> ReadInliers(const fs::path& database, uint32_t first, uint32_t second) {
@@ -110,6 +118,22 @@ DescriptorMatrix ReadLargestDescriptors(const fs::path& database, uint32_t image
     }
   }
   return descriptors;
+}
+
+std::vector<VerifiedPair> ReadVerifiedMatches(const std::filesystem::path& database, int min_matches) {
+  const std::map<uint32_t, std::string> names = NamesById(database);
+  std::vector<VerifiedPair> verified;
+  for (const MatchedPair& pair : ReadMatchedPairs(database)) {
+    if (pair.inliers < std::max(1, min_matches)) continue;
+    const auto first = names.find(pair.first), second = names.find(pair.second);
+    std::vector<PointMatch> matches = ReadInliers(database, pair.first, pair.second);
+    if (first == names.end() || second == names.end() || matches.empty()) {
+      throw RunError("{}: the matches of images {} and {} are damaged; delete it, colmap makes it anew",
+                     database.string(), pair.first, pair.second);
+    }
+    verified.push_back({first->second, second->second, pair.config, std::move(matches)});
+  }
+  return verified;
 }
 
 }  // namespace oraclegs

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <map>
 
-#include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/sfm/colmap_database.h"

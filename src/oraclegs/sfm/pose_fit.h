@@ -10,9 +10,9 @@
 #include "oraclegs/core/progress.h"
 #include "oraclegs/scene/scene.h"
 #include "oraclegs/sfm/colmap_staging.h"
+#include "oraclegs/sfm/matched_features.h"
 #include "oraclegs/sfm/photo_order.h"
 #include "oraclegs/sfm/pose_mistakes.h"
-#include "oraclegs/sfm/verified_matches.h"
 
 namespace oraclegs {
 

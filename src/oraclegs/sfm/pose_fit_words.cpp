@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
 
 namespace oraclegs {

@@ -11,7 +11,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/core/plural.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/scene/read_colmap.h"
 #include "oraclegs/sfm/colmap_database.h"

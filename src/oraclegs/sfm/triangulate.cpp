@@ -9,10 +9,10 @@
 #include <string>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/plural.h"
 #include "oraclegs/core/subprocess.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/scene/colmap_files.h"
 #include "oraclegs/scene/colmap_model.h"
-#include "oraclegs/scene/colmap_text.h"
 #include "oraclegs/scene/point_ply.h"
 #include "oraclegs/sfm/choose_pairs.h"
 #include "oraclegs/sfm/colmap_database.h"

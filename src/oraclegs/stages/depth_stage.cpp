@@ -4,11 +4,11 @@
 #include <memory>
 #include <string>
 
-#include "oraclegs/core/plural.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/depth/depth_files.h"
 #include "oraclegs/depth/gains.h"
-#include "oraclegs/depth/make_plane_search.h"
 #include "oraclegs/depth/overlap.h"
+#include "oraclegs/depth/plane_search.h"
 #include "oraclegs/depth/prior_points.h"
 #include "oraclegs/depth/stereo.h"
 #include "oraclegs/networks/networks.h"

@@ -1,9 +1,9 @@
 #include "oraclegs/stages/evaluate_stage.h"
 
+#include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/core/memory.h"
+#include "oraclegs/core/host.h"
 #include "oraclegs/core/statistics.h"
-#include "oraclegs/core/system_reason.h"
 #include "oraclegs/evaluate/support_quality.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/gaussians/transform.h"

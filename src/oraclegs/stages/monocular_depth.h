@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "oraclegs/core/device.h"
+#include "oraclegs/core/buffer.h"
 #include "oraclegs/core/progress.h"
 #include "oraclegs/depth/monocular.h"
 #include "oraclegs/depth/silhouettes.h"

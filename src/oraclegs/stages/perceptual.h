@@ -7,8 +7,8 @@
 
 #include "oraclegs/core/progress.h"
 #include "oraclegs/evaluate/evaluate.h"
-#include "oraclegs/loss/perceptual_distance.h"
 #include "oraclegs/settings/plan.h"
+#include "oraclegs/train/loss_terms.h"
 #include "oraclegs/train/train_view.h"
 
 namespace oraclegs {

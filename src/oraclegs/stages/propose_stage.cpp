@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "oraclegs/core/memory.h"
-#include "oraclegs/core/plural.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/core/host.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/propose/trajectory.h"
 #include "oraclegs/stages/proposer_row.h"

@@ -1,12 +1,12 @@
 #pragma once
-// Where the depth of pseudo views comes from in a run (baselines/pseudo_depth.h): a network where there is one, else
+// Where the depth of pseudo views comes from in a run (baselines/baseline_setup.h): a network where there is one, else
 // stereo.
 
 #include <Eigen/Core>
 #include <filesystem>
 #include <vector>
 
-#include "oraclegs/baselines/pseudo_depth.h"
+#include "oraclegs/baselines/baseline_setup.h"
 #include "oraclegs/core/progress.h"
 #include "oraclegs/depth/depth_map.h"
 #include "oraclegs/scene/loaded_view.h"

@@ -1,7 +1,7 @@
 #include "oraclegs/stages/register_stage.h"
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/plural.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/sfm/register_views.h"
 #include "oraclegs/stages/stage_seconds.h"
 #include "oraclegs/stages/vggt_registration.h"

@@ -1,8 +1,7 @@
 #include "oraclegs/stages/sfm_stage.h"
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/plural.h"
-#include "oraclegs/sfm/match_for_check.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/sfm/pose_check.h"
 #include "oraclegs/sfm/pose_fit_words.h"
 #include "oraclegs/sfm/triangulate.h"

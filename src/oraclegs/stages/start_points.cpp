@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "oraclegs/core/plural.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/depth/plane_fill.h"
 #include "oraclegs/depth/prior_points.h"
 #include "oraclegs/stages/sfm_stage.h"

@@ -3,11 +3,11 @@
 #include <optional>
 #include <utility>
 
-#include "oraclegs/baselines/make_parts.h"
+#include "oraclegs/baselines/methods.h"
+#include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/core/memory.h"
-#include "oraclegs/core/plural.h"
-#include "oraclegs/core/system_reason.h"
+#include "oraclegs/core/host.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/evaluate/support.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/gaussians/transform.h"
@@ -21,7 +21,7 @@
 #include "oraclegs/stages/test_score.h"
 #include "oraclegs/stages/train_inputs.h"
 #include "oraclegs/train/checkpoint_folder.h"
-#include "oraclegs/train/make_train_device.h"
+#include "oraclegs/train/train_device.h"
 #include "oraclegs/train/trainer.h"
 #include "oraclegs/workspace/non_commercial.h"
 

@@ -8,10 +8,9 @@
 #include <utility>
 
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/image/colormap.h"
-#include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/networks/loader.h"
 #include "oraclegs/propose/proposal_files.h"

@@ -5,8 +5,8 @@
 
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/networks/loader.h"
+#include "oraclegs/scene/colmap_files.h"
 #include "oraclegs/scene/colmap_model.h"
-#include "oraclegs/scene/colmap_text.h"
 #include "oraclegs/settings/device.h"
 #include "oraclegs/sfm/colmap_staging.h"
 #include "oraclegs/sfm/colmap_workspace.h"

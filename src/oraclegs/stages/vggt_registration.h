@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "oraclegs/core/device.h"
+#include "oraclegs/core/buffer.h"
 #include "oraclegs/core/progress.h"
 #include "oraclegs/scene/scene.h"
 #include "oraclegs/settings/vggt_weights.h"

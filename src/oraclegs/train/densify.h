@@ -1,6 +1,6 @@
 #pragma once
-// Densification: how Gaussians are added, moved and removed. MCMC's is make_densifier.h's on a CPU and
-// cuda/cuda_mcmc.h's on a GPU; others come with TrainSetup and run on both.
+// Densification: how Gaussians are added, moved and removed. 3DGS-MCMC's is mcmc.h's on a CPU and cuda/cuda_mcmc.h's
+// on a GPU; others come with TrainSetup and run on both. Iterations count from 1.
 
 #include <functional>
 #include <memory>
@@ -8,6 +8,7 @@
 #include "oraclegs/render/render.h"
 #include "oraclegs/train/checkpoint.h"
 #include "oraclegs/train/loss_terms.h"
+#include "oraclegs/train/options.h"
 
 namespace oraclegs {
 
@@ -25,7 +26,7 @@ class Densifier {
   /// Whether Refine is called after the step of this iteration: by default where the schedule refines.
   virtual bool Acts(const Iteration& iteration) const;
 
-  /// Changes the model, which lies on the device of the training; OnHost (train/model_edits.h) gives it on the host.
+  /// Changes the model, which lies on the device of the training; OnHost (train/train_device.h) gives it on the host.
   virtual void Refine(const Iteration& iteration, TrainedModel* model) = 0;
 
   /// Clears the state carried from iteration to iteration, for a model of that many Gaussians.
@@ -44,5 +45,13 @@ struct DensifierSetup {
   Device device = kCpu;
 };
 using DensifierMaker = std::function<std::unique_ptr<Densifier>(const DensifierSetup& setup)>;
+
+/// Whether Gaussians may be added or removed after this iteration: before --set refine-stop, and never after the last
+/// one, whose model is scored without further training. Options are settled.
+bool IsBeforeRefineStop(const TrainOptions& options, int64_t iteration);
+
+/// Whether densification takes place after this iteration: every --set refine-every between --set refine-start and
+/// --set refine-stop, of settled options.
+bool Refines(const TrainOptions& options, int64_t iteration);
 
 }  // namespace oraclegs

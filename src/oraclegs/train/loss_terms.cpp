@@ -3,7 +3,6 @@
 #include <cmath>
 #include <utility>
 
-#include "oraclegs/train/diverged.h"
 #include "oraclegs/train/exposure.h"
 #include "oraclegs/train/schedule.h"
 

@@ -2,17 +2,29 @@
 // The views of a run and the terms of each iteration's loss, for every device: devices only evaluate terms.
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <vector>
 
+#include "oraclegs/core/buffer.h"
 #include "oraclegs/core/error.h"
-#include "oraclegs/loss/perceptual_distance.h"
 #include "oraclegs/loss/photometric.h"
 #include "oraclegs/train/options.h"
 #include "oraclegs/train/train_view.h"
 #include "oraclegs/train/view_sampler.h"
 
 namespace oraclegs {
+
+/// LPIPS(render, target) of two images [H,W,3] in [0,1]. Adds weight * dLPIPS/d(render) to grad [H,W,3]; undefined =
+/// value only. An empty function stands for no network.
+using PerceptualDistance =
+    std::function<double(const Buffer<float>& render, const Buffer<float>& target, double weight, Buffer<float>* grad)>;
+
+/// Error of a training whose loss or parameters became NaN or infinite. Nothing is saved from then on.
+class Diverged : public RunError {
+ public:
+  using RunError::RunError;
+};
 
 /// Views and LPIPS of a training. Photos are certain; proposals are weighted by their confidence and have the mean
 /// exposure of the photos.

@@ -8,6 +8,9 @@
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
+#include "oraclegs/train/noise.h"
+#include "oraclegs/train/outliers.h"
+#include "oraclegs/train/train_device.h"
 
 namespace oraclegs {
 namespace {
@@ -112,6 +115,25 @@ void CheckSizes(const char* who, const Gaussians& gaussians, const Adam& adam) {
   adam.Check(who, gaussians.size());
 }
 
+class McmcDensifier final : public Densifier {
+ public:
+  explicit McmcDensifier(const DensifierSetup& setup) : options_(setup.options), plan_(setup.plan) {}
+
+  bool AddsNoise() const override { return true; }
+
+  void Refine(const Iteration& iteration, TrainedModel* model) override {
+    Gaussians* gaussians = &model->gaussians;
+    if (options_.prune_floaters) PruneFloaters(plan_.photos(), gaussians);
+    RelocateDead(iteration.seed, iteration.number, gaussians, &model->adam);
+    AddGaussians(iteration.seed, iteration.number, options_.max_gaussians.value(), gaussians, &model->adam);
+    AddNoise({iteration.seed, iteration.number, iteration.rates.means}, gaussians);
+  }
+
+ private:
+  const TrainOptions& options_;
+  const LossPlan& plan_;
+};
+
 }  // namespace
 
 const BinomialTable& Binomials() {
@@ -163,6 +185,12 @@ int64_t AddGaussians(uint64_t seed, int64_t iteration, int64_t max_gaussians, Ga
   adam->GrowTo(n + added);
   Share({opacities, sources, targets}, gaussians, adam);
   return added;
+}
+
+bool Densifier::Acts(const Iteration& iteration) const { return iteration.refines; }
+
+std::unique_ptr<Densifier> MakeMcmcDensifier(const DensifierSetup& setup) {
+  return std::make_unique<McmcDensifier>(setup);
 }
 
 }  // namespace oraclegs

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "oraclegs/train/adam.h"
+#include "oraclegs/train/densify.h"
 #include "oraclegs/train/train_math.h"
 
 namespace oraclegs {
@@ -23,5 +24,8 @@ int64_t RelocateDead(uint64_t seed, int64_t iteration, Gaussians* gaussians, Ada
 /// Grows to min(max_gaussians, floor(1.05 N)) by copies of Gaussians drawn by opacity (docs/method.md#mcmc-growth).
 /// Returns the number added. Buffers are grown in place where their memory has room (Buffer::GrownTo).
 int64_t AddGaussians(uint64_t seed, int64_t iteration, int64_t max_gaussians, Gaussians* gaussians, Adam* adam);
+
+/// Makes the densifier of 3DGS-MCMC on a CPU.
+std::unique_ptr<Densifier> MakeMcmcDensifier(const DensifierSetup& setup);
 
 }  // namespace oraclegs

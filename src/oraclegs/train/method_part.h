@@ -1,6 +1,6 @@
 #pragma once
 // Work that a method does beside an iteration's view: other renders, other losses, removals. The parts of published
-// methods: baselines/make_parts.h.
+// methods: baselines/methods.h.
 
 #include <array>
 #include <memory>
@@ -17,7 +17,7 @@ namespace oraclegs {
 using PartGradients = std::vector<const Gaussians*>;
 
 /// A part of the training. Models, renders and their gradients lie on the device of the training; OnHost, KeepRows
-/// (train/model_edits.h) and Buffer::To bring them to the host and back.
+/// (train/train_device.h) and Buffer::To bring them to the host and back.
 class MethodPart {
  public:
   virtual ~MethodPart() = default;

@@ -1,16 +1,18 @@
 #pragma once
-// Interface of the device that trains the Gaussians; make_train_device.h makes one.
+// Interface of the device that trains the Gaussians, and the makers of one.
 
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <vector>
 
 #include "oraclegs/render/render.h"
 #include "oraclegs/train/adam.h"
 #include "oraclegs/train/densify.h"
 #include "oraclegs/train/exposure.h"
 #include "oraclegs/train/loss_terms.h"
+#include "oraclegs/train/observer.h"
 #include "oraclegs/train/opacity_factors.h"
-#include "oraclegs/train/term_sums.h"
 
 namespace oraclegs {
 
@@ -70,7 +72,7 @@ class TrainDevice {
   /// Runs everything between the gradient of the image and the moved Gaussians: backward, regularizers, Adam and,
   /// unless the iteration refines, noise. Closes the iteration's loss.
   virtual void BackwardAndStep(const Iteration& iteration, const RenderGrads& upstream, TrainedModel* model) = 0;
-  /// Caps the scales (scale_cap.h with --set largest-scale), in iterations that do so, before Refine.
+  /// Caps the scales (outliers.h with --set largest-scale), in iterations that do so, before Refine.
   virtual void CapScales(TrainedModel* model) = 0;
   /// Runs the densifier where it acts in this iteration.
   virtual void Refine(const Iteration& iteration, TrainedModel* model) = 0;
@@ -99,5 +101,28 @@ struct TrainDeviceSetup {
 };
 /// Makes the device of a run.
 using TrainDeviceMaker = std::function<std::unique_ptr<TrainDevice>(const TrainDeviceSetup& setup)>;
+
+/// Edits a model that lies on any device: calls `edit` with the model on the host: with the model itself on a CPU, else
+/// with a copy that replaces it afterwards, in the device's memory where that has room (Buffer::GrownTo).
+void OnHost(TrainedModel* model, const std::function<void(TrainedModel*)>& edit);
+
+/// Keeps the Gaussians of these rows, with their moments, in this order. On a CPU in new memory, on a GPU in the memory
+/// that there is where that has room.
+void KeepRows(const std::vector<int64_t>& rows, Gaussians* gaussians, Adam* adam);
+
+/// Makes the training device of this name. Throws UsageError when this build has none for it, RunError when its memory
+/// does not suffice.
+std::unique_ptr<TrainDevice> MakeTrainDevice(Device device, const TrainDeviceSetup& setup);
+
+/// Makes the one of the CPU.
+std::unique_ptr<TrainDevice> MakeCpuTrainDevice(const TrainDeviceSetup& setup);
+
+namespace cuda {
+
+/// Makes the one of the GPU of this name, which becomes the current one (cuda/cuda_train_device.cpp). Throws UsageError
+/// when there is none, RunError when its memory does not suffice for the estimate (memory_estimate.h).
+std::unique_ptr<TrainDevice> MakeCudaTrainDevice(Device device, const TrainDeviceSetup& setup);
+
+}  // namespace cuda
 
 }  // namespace oraclegs

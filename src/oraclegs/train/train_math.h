@@ -51,7 +51,7 @@ inline int64_t GrowthOf(int64_t n, int64_t max) {
   return grown > n ? grown - n : 0;
 }
 
-/// The logarithm of the largest scale that a Gaussian of this center may have; see scale_cap.h. centers: [count,3].
+/// The logarithm of the largest scale that a Gaussian of this center may have; see outliers.h. centers: [count,3].
 ORACLEGS_HD inline float LogScaleCap(const float* mean, const float* centers, int count, float log_share) {
   float nearest = 3.4e38f;
   for (int c = 0; c < count; ++c) {
@@ -63,7 +63,7 @@ ORACLEGS_HD inline float LogScaleCap(const float* mean, const float* centers, in
   return log_share + 0.5f * std::log(nearest > kMinSquared ? nearest : kMinSquared);
 }
 
-/// Votes of the views about one Gaussian's center; see floaters.h.
+/// Votes of the views about one Gaussian's center; see outliers.h.
 struct FloaterVotes {
   int before = 0, agree = 0;
   bool beside = false;  ///< beside a silhouette in some view: no number of other views puts a surface there

@@ -7,11 +7,10 @@
 #include "oraclegs/camera/scene_bounds.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/train/checkpoint_folder.h"
-#include "oraclegs/train/diverged.h"
-#include "oraclegs/train/make_train_device.h"
-#include "oraclegs/train/model_edits.h"
-#include "oraclegs/train/refine_schedule.h"
+#include "oraclegs/train/densify.h"
+#include "oraclegs/train/loss_terms.h"
 #include "oraclegs/train/schedule.h"
+#include "oraclegs/train/train_device.h"
 
 namespace oraclegs {
 namespace {

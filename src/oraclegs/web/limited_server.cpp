@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/system_reason.h"
 #include "oraclegs/web/connection.h"
 
 namespace oraclegs {

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/system_reason.h"
 #include "oraclegs/web/assets.h"
 #include "oraclegs/web/limited_server.h"
 #include "oraclegs/web/routes.h"

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "oraclegs/core/progress.h"
+#include "oraclegs/weights/checkpoint/stored_tensor.h"
 #include "oraclegs/weights/registry.h"
 
 namespace oraclegs {
@@ -23,5 +24,13 @@ struct ConvertRequest {
 /// error, others are left out with a Warning. Returns how many were written. Throws InputError naming the file,
 /// RunError (disk full), Interrupted.
 size_t ConvertWeights(const ConvertRequest& request, const Listener& listener);
+
+/// The name that a tensor of a published file has in the network with this list of parameters
+/// (WeightsInfo::parameters).
+std::string NameInNetwork(const std::string& parameters, const std::string& published);
+
+/// The shape that a tensor has there: older files of the autoencoder store the matrices of its attention, here under
+/// their new names, as convolutions of 1x1.
+StoredTensor ShapedForNetwork(const std::string& parameters, const std::string& name, StoredTensor tensor);
 
 }  // namespace oraclegs

@@ -9,9 +9,8 @@
 #include <vector>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/file_lock.h"
+#include "oraclegs/core/folder_lock.h"
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/core/system_reason.h"
 
 namespace oraclegs {
 

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "oraclegs/core/atomic_file.h"
+#include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/core/system_reason.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/scene/scene.h"
 #include "oraclegs/workspace/stage_records.h"

@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "baselines/baseline_trainer.h"
-#include "oraclegs/train/cuda/cuda_train_device.h"
+#include "oraclegs/train/train_device.h"
 #include "train/cuda/device_gaussians.h"
 
 namespace oraclegs {

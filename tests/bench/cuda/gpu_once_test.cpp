@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "oraclegs/depth/cuda/cuda_plane_search.h"
+#include "oraclegs/depth/plane_search.h"
 #include "support/cuda_device.h"
 
 namespace oraclegs {

@@ -1,13 +1,12 @@
 // The GPU's search against the CPU's: the same random numbers and decisions, another order of sums.
 
-#include "oraclegs/depth/cuda/cuda_plane_search.h"
+#include "oraclegs/depth/plane_search.h"
 
 #include <gmock/gmock.h>
 
 #include <utility>
 
 #include "depth/surfaces.h"
-#include "oraclegs/depth/make_plane_search.h"
 #include "oraclegs/depth/stereo.h"
 #include "support/cuda_device.h"
 #if defined(ORACLEGS_EMULATED_CUDA)

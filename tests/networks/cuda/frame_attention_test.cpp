@@ -1,4 +1,4 @@
-#include "oraclegs/networks/cuda/frame_attention.h"
+#include "oraclegs/networks/cuda/kernels.h"
 
 #include "networks/cuda/bfloat16.h"
 

@@ -1,4 +1,4 @@
-#include "oraclegs/networks/cuda/gated_gelu.h"
+#include "oraclegs/networks/cuda/kernels.h"
 
 #include "networks/cuda/bfloat16.h"
 

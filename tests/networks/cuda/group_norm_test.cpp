@@ -1,4 +1,4 @@
-#include "oraclegs/networks/cuda/group_norm.h"
+#include "oraclegs/networks/cuda/kernels.h"
 
 #include "networks/cuda/bfloat16.h"
 

@@ -1,5 +1,4 @@
 #include "networks/seva/chunks_fixture.h"
-#include "oraclegs/networks/seva/orbit.h"
 #include "oraclegs/networks/seva/plan.h"
 
 namespace oraclegs::seva {

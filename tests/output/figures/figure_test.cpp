@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/run/reconstruct.h"
 #include "run/proposing.h"

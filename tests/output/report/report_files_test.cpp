@@ -7,7 +7,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/image/jpeg.h"
+#include "oraclegs/image/codecs.h"
 #include "support/temp_dir.h"
 
 namespace oraclegs {

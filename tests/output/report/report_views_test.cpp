@@ -5,7 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "oraclegs/image/png.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "run/trained.h"
 

@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "render/scenes.h"
 #include "support/buffers.h"
 

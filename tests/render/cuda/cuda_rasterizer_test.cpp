@@ -1,9 +1,8 @@
 // The CUDA rasterizer against the reference numbers and against the CPU's.
 
-#include "oraclegs/render/cuda/cuda_rasterizer.h"
+#include "oraclegs/render/render.h"
 
-#include "oraclegs/render/cuda/gaussian_backward.h"
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/cuda/stages.h"
 
 #include "render/cuda/device_scenes.h"
 #include "render/golden_scene.h"

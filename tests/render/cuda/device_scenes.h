@@ -1,7 +1,7 @@
 #pragma once
 // Scenes on the device under test, and their renders back on the CPU.
 
-#include "oraclegs/render/cuda/cuda_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "render/scenes.h"
 #include "support/buffers.h"
 #include "support/device_buffers.h"

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "oraclegs/render/cuda/cuda_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/train/cuda/device_views.h"
-#include "oraclegs/train/make_densifier.h"
+#include "oraclegs/train/mcmc.h"
 #include "train/cuda/device_gaussians.h"
 #include "train/small_scene.h"
 

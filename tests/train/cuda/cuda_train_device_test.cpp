@@ -1,4 +1,4 @@
-#include "oraclegs/train/cuda/cuda_train_device.h"
+#include "oraclegs/train/train_device.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

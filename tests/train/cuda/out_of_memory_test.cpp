@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "oraclegs/train/cuda/cuda_train_device.h"
+#include "oraclegs/train/train_device.h"
 #include "support/temp_dir.h"
 #include "train/cuda/device_gaussians.h"
 #include "train/small_scene.h"

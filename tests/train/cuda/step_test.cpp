@@ -1,4 +1,7 @@
 #include "oraclegs/train/cuda/step.h"
+#include "oraclegs/train/opacity_factors.h"
+#include "support/buffers.h"
+#include "support/device_buffers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +10,7 @@
 #include <utility>
 
 #include "oraclegs/core/bfloat16.h"
-#include "oraclegs/render/cuda/cuda_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/train/adam.h"
 #include "oraclegs/train/noise.h"
 #include "oraclegs/train/regularizers.h"
@@ -170,5 +173,21 @@ TEST_F(CudaStep, NoiseIsTheCpus) {
   EXPECT_TRUE(Equal(OnHost(gaussians.quats), start.quats));
 }
 
+class CudaOpacityFactors : public CudaTest {};
+
+TEST_F(CudaOpacityFactors, AreTheCpus) {
+  constexpr int64_t kCount = 777;
+  for (const auto& [drop, noise] : {std::pair{0.2, 0.0}, std::pair{0.0, 0.8}, std::pair{0.5, 3.0}}) {
+    const Buffer<float> expected = Buffer<float>::Empty({kCount});
+    DrawOpacityFactors({5, 123, drop, noise}, expected);
+    const Buffer<float> factors = OnTestDevice(Buffer<float>::Full({kCount}, -1.f));
+    RunOpacityFactors({5, 123, drop, noise, kCount, factors.data()}, nullptr);
+    const Buffer<float> drawn = OnHost(factors);
+    EXPECT_LE(MaxAbsError(drawn, expected), 1e-5);  // floats of up to 36
+    EXPECT_TRUE(((Flat(drawn) == 0) == (Flat(expected) == 0)).all());
+  }
+}
+
 }  // namespace
+
 }  // namespace oraclegs::cuda

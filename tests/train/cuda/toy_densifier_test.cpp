@@ -2,9 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "oraclegs/train/cuda/cuda_train_device.h"
-#include "oraclegs/train/make_train_device.h"
-#include "oraclegs/train/model_edits.h"
+#include "oraclegs/train/train_device.h"
 #include "train/cuda/device_gaussians.h"
 #include "train/small_scene.h"
 

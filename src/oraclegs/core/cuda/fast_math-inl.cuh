@@ -1,6 +1,8 @@
 #pragma once
 // Functions of the hardware's own, for device code that can take an error of two units in the last place.
 
+#include <cuda_runtime.h>
+
 namespace oraclegs::cuda {
 
 /// 2^e to 2 units in the last place, without the care that exp2f takes of denormal numbers: those become zero.

@@ -43,4 +43,11 @@ void Launch(const char* name, void (*kernel)(P...), LaunchShape shape, cudaStrea
   CheckLaunch(name);
 }
 
+/// The sum of all lanes' values, in every lane; always added in the same order.
+template <class T>
+__device__ inline T WarpSum(T value) {
+  for (int step = kWarp / 2; step > 0; step /= 2) value += __shfl_xor_sync(kAllLanes, value, step);
+  return value;
+}
+
 }  // namespace oraclegs::cuda

@@ -1,4 +1,4 @@
-#include "oraclegs/depth/cuda/cuda_plane_search.h"
+#include "oraclegs/depth/plane_search.h"
 
 #include <algorithm>
 

@@ -10,7 +10,6 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/experiments/ablation.h"
-#include "oraclegs/experiments/bench/bench_overwrite.h"
 #include "oraclegs/experiments/bench/bench_plot.h"
 #include "oraclegs/experiments/bench/bench_report.h"
 #include "oraclegs/experiments/bench/run_record.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
 
 namespace oraclegs {

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/baselines/methods.h"
-#include "oraclegs/core/nearest_word.h"
 #include "oraclegs/core/text.h"
 
 namespace oraclegs {

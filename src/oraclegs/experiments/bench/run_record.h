@@ -7,6 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "oraclegs/core/progress.h"
+#include "oraclegs/experiments/bench/bench_plan.h"
 #include "oraclegs/experiments/bench/bench_table.h"
 #include "oraclegs/experiments/launch/launcher.h"
 
@@ -34,5 +36,13 @@ nlohmann::json AsRecorded(const nlohmann::json& value);
 /// Fills in the scores of the workspace's metrics.json. Returns false and changes nothing where the file is missing or
 /// damaged: the run is not done.
 bool ReadScore(const std::filesystem::path& workspace, BenchScore* score);
+
+inline constexpr char kSlurmFolder[] = "slurm";  ///< folder of --launcher slurm in a benchmark's folder
+
+/// Removes the workspaces, records and logs of the plan's runs, for --overwrite. It first cancels and forgets
+/// everything that earlier calls in request.out still have in Slurm's queue, which would be taken for runs of this
+/// call. Throws RunError before anything is removed when a run still works or the queue cannot be reached; RunError
+/// also when something cannot be removed; and as CancelOpenSlurmTasks.
+void RemoveRuns(const BenchRequest& request, const BenchPlan& plan, const Listener& listener);
 
 }  // namespace oraclegs

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/scene/read_scene.h"

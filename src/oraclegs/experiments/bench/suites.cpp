@@ -4,7 +4,6 @@
 #include <iterator>
 #include <set>
 
-#include "oraclegs/core/nearest_word.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/read_image.h"
 

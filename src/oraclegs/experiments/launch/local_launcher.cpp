@@ -13,11 +13,11 @@
 #include <memory>
 #include <thread>
 
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/host.h"
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/core/memory.h"
 #include "oraclegs/core/process_group.h"
 #include "oraclegs/core/subprocess.h"
-#include "oraclegs/core/system_reason.h"
 #include "oraclegs/core/text.h"
 
 namespace oraclegs {

@@ -11,8 +11,8 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/folder_lock.h"
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/core/plural.h"
-#include "oraclegs/experiments/launch/slurm_arrays.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/experiments/launch/slurm_options.h"
 #include "oraclegs/experiments/launch/slurm_record.h"
 #include "oraclegs/experiments/launch/slurm_verdict.h"
 

@@ -1,11 +1,12 @@
 #pragma once
-// Record of the submitted arrays, by which the next process finds them again.
+// Record of the submitted arrays, by which the next process finds them again, or cancels what is not wanted any more.
 
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "oraclegs/core/progress.h"
 #include "oraclegs/experiments/launch/launcher.h"
 #include "oraclegs/experiments/launch/slurm_programs.h"
 
@@ -46,5 +47,12 @@ SlurmRecord ReadSlurmRecord(const std::filesystem::path& folder);
 
 /// Throws RunError.
 void WriteSlurmRecord(const std::filesystem::path& folder, const SlurmRecord& record);
+
+/// Cancels the open tasks of the record in `folder` (MakeSlurmLauncher's) that Slurm still has, including an array that
+/// was submitted by a process that died meanwhile. Waits until they have ended, so that none of them writes any more.
+/// The record stays unchanged. Does nothing without a record or without open tasks. Throws InputError when the record
+/// is damaged, RunError when the Slurm programs are missing or fail, another process uses `folder`, or tasks do not
+/// end, and Interrupted.
+void CancelOpenSlurmTasks(const std::filesystem::path& folder, const Listener& listener);
 
 }  // namespace oraclegs

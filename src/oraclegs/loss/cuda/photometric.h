@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "oraclegs/loss/cuda/device_image.h"
-#include "oraclegs/loss/mask_meaning.h"
+#include "oraclegs/loss/ssim_window.h"
 
 namespace oraclegs::cuda {
 

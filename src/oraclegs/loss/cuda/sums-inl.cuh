@@ -2,7 +2,7 @@
 // Sums in an order that depends on the size of the work only: no atomic ever adds a float, so that each run gives the
 // same bits.
 
-#include "oraclegs/core/cuda/warp_sum-inl.cuh"
+#include "oraclegs/core/cuda/launch.h"
 
 namespace oraclegs::cuda {
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "oraclegs/networks/common/layers.h"
+#include "oraclegs/networks/common/tensor.h"
 
 namespace oraclegs {
 
@@ -60,5 +61,10 @@ std::array<Tensor, 4> FuseLayers(const DptHead& head, const std::array<Tensor, 4
 /// Raw outputs [B, outputs, patch * rows, patch * cols]. On a CPU views go through one at a time, since their maps are
 /// large and nothing is shared. Throws ShapeError.
 Tensor Forward(const DptHead& head, const std::array<Tensor, 4>& layers, const PatchGrid& grid);
+
+/// The sinusoidal embedding that VGGT's dense heads add to their maps (docs/method.md#grid-embedding), [channels, rows,
+/// cols] float32. Coordinates depend on `aspect`, width over height of the image, not of the map.
+/// Quarters of the channels: sin and cos of x, sin and cos of y. Throws ShapeError unless 4 divides the channels.
+Tensor GridEmbedding(int64_t channels, int64_t rows, int64_t cols, double aspect);
 
 }  // namespace oraclegs

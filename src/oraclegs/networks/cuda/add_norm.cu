@@ -1,9 +1,8 @@
 // A warp holds a row in registers: lane p % 32 has pair p.
 
-#include "oraclegs/networks/cuda/add_norm.h"
+#include "oraclegs/networks/cuda/kernels.h"
 
 #include "oraclegs/core/cuda/launch.h"
-#include "oraclegs/core/cuda/warp_sum-inl.cuh"
 #include "oraclegs/networks/cuda/bfloat16-inl.cuh"
 
 namespace oraclegs::cuda {

@@ -1,7 +1,7 @@
 // A warp does one head at one pixel: its keys and values lie in shared memory, and each lane has the query of a frame.
 // Matrices this small would leave the tensor cores idle; reading memory once decides the speed.
 
-#include "oraclegs/networks/cuda/frame_attention.h"
+#include "oraclegs/networks/cuda/kernels.h"
 
 #include "oraclegs/core/cuda/fast_math-inl.cuh"
 #include "oraclegs/core/cuda/launch.h"

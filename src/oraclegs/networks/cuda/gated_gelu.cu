@@ -1,4 +1,4 @@
-#include "oraclegs/networks/cuda/gated_gelu.h"
+#include "oraclegs/networks/cuda/kernels.h"
 
 #include "oraclegs/core/cuda/fast_math-inl.cuh"
 #include "oraclegs/core/cuda/launch.h"

@@ -1,11 +1,10 @@
 // Three kernels: sums of each group over blocks of pixels; the factors of each channel; their application. A thread
 // keeps to one pair of channels and goes from pixel to pixel.
 
-#include "oraclegs/networks/cuda/group_norm.h"
+#include "oraclegs/networks/cuda/kernels.h"
 
 #include "oraclegs/core/cuda/fast_math-inl.cuh"
 #include "oraclegs/core/cuda/launch.h"
-#include "oraclegs/core/cuda/warp_sum-inl.cuh"
 #include "oraclegs/networks/cuda/bfloat16-inl.cuh"
 
 namespace oraclegs::cuda {

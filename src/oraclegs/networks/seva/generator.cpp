@@ -6,13 +6,13 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "oraclegs/core/host.h"
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/core/memory.h"
 #include "oraclegs/networks/common/tensor_buffer.h"
 #include "oraclegs/networks/seva/chunk_store.h"
 #include "oraclegs/networks/seva/conditioning.h"
-#include "oraclegs/networks/seva/guidance.h"
 #include "oraclegs/networks/seva/plan.h"
+#include "oraclegs/networks/seva/sampler.h"
 
 namespace oraclegs::seva {
 namespace {

@@ -6,10 +6,7 @@
 #include <c10/core/DeviceGuard.h>
 
 #include "oraclegs/core/cuda/device_array.h"
-#include "oraclegs/networks/cuda/add_norm.h"
-#include "oraclegs/networks/cuda/frame_attention.h"
-#include "oraclegs/networks/cuda/gated_gelu.h"
-#include "oraclegs/networks/cuda/group_norm.h"
+#include "oraclegs/networks/cuda/kernels.h"
 
 namespace oraclegs::seva::kernels {
 namespace {

@@ -1,7 +1,7 @@
 #include "oraclegs/networks/seva/res_block.h"
 
 #include "oraclegs/networks/seva/kernels.h"
-#include "oraclegs/networks/seva/maps.h"
+#include "oraclegs/networks/seva/sums.h"
 
 namespace oraclegs::seva {
 namespace {

@@ -1,11 +1,13 @@
 #pragma once
-// Sampler: from noise to latents in steps of Euler's method (docs/method.md#seva-sampler).
+// Sampler: from noise to latents in steps of Euler's method (docs/method.md#seva-sampler), with a
+// weight of classifier-free guidance for each frame (#seva-guidance).
 
 #include <cstdint>
 #include <functional>
 #include <vector>
 
 #include "oraclegs/networks/common/tensor.h"
+#include "oraclegs/networks/seva/cameras.h"
 #include "oraclegs/networks/seva/schedule.h"
 
 namespace oraclegs::seva {
@@ -48,5 +50,13 @@ struct NoiseKey {
 };
 /// Standard normal float32 numbers that do not depend on the number of threads.
 Tensor Noise(const NoiseKey& key, at::IntArrayRef shape);
+
+/// Strength of guidance for conditioning frames and frames at the place of one, where guidance has little to add; the
+/// value of SEVA's authors.
+inline constexpr double kGuidanceBesideAnImage = 1.2;
+
+/// Weights [T] float32: kGuidanceBesideAnImage for those frames, `cfg` for the others. Throws ShapeError unless `given`
+/// (which frames condition) has one entry a view and a true one.
+Tensor GuidanceWeights(const std::vector<View>& views, const std::vector<bool>& given, double cfg);
 
 }  // namespace oraclegs::seva

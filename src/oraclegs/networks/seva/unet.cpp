@@ -6,7 +6,7 @@
 
 #include "oraclegs/networks/common/autocast.h"
 #include "oraclegs/networks/seva/kernels.h"
-#include "oraclegs/networks/seva/maps.h"
+#include "oraclegs/networks/seva/sums.h"
 
 namespace oraclegs::seva {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "oraclegs/core/options.h"
 #include "oraclegs/output/figures/sheet.h"
-#include "oraclegs/scene/posed_scene.h"
+#include "oraclegs/scene/frame.h"
 
 namespace oraclegs {
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "oraclegs/train/term_sums.h"
+#include "oraclegs/train/observer.h"
 
 namespace oraclegs {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "oraclegs/core/progress.h"
-#include "oraclegs/core/step_rate.h"
+#include "oraclegs/core/run_progress.h"
 
 namespace oraclegs {
 

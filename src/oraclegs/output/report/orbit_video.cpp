@@ -4,12 +4,12 @@
 #include <cmath>
 
 #include "oraclegs/camera/camera_path.h"
+#include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/find_program.h"
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/core/system_reason.h"
 #include "oraclegs/output/report/ffmpeg.h"
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/scene/loaded_view.h"
 
 namespace oraclegs {

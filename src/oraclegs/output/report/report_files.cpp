@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/core/files.h"
-#include "oraclegs/image/jpeg.h"
+#include "oraclegs/image/codecs.h"
 
 namespace oraclegs {
 namespace {

@@ -7,7 +7,6 @@
 #include "oraclegs/stages/evaluate_stage.h"
 #include "oraclegs/stages/stage_seconds.h"
 #include "oraclegs/web/assets.h"
-#include "oraclegs/web/page.h"
 
 namespace oraclegs {
 namespace {

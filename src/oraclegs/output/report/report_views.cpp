@@ -10,8 +10,8 @@
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/propose/nearest_order.h"
 #include "oraclegs/propose/proposal_files.h"
-#include "oraclegs/render/make_rasterizer.h"
 #include "oraclegs/render/recolor.h"
+#include "oraclegs/render/render.h"
 
 namespace oraclegs {
 namespace {

@@ -1,4 +1,4 @@
-#include "oraclegs/propose/cuda/cuda_warp_device.h"
+#include "oraclegs/propose/warp_device.h"
 
 #include <algorithm>
 #include <limits>

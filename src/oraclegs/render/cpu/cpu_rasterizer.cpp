@@ -1,4 +1,4 @@
-#include "oraclegs/render/cpu/cpu_rasterizer.h"
+#include "oraclegs/render/render.h"
 
 #include <algorithm>
 #include <atomic>

@@ -1,7 +1,7 @@
 #include <type_traits>
 
-#include "oraclegs/render/cuda/blend.h"
 #include "oraclegs/render/cuda/falloff-inl.cuh"
+#include "oraclegs/render/cuda/stages.h"
 
 namespace oraclegs::cuda {
 namespace {

@@ -1,5 +1,5 @@
-#include "oraclegs/render/cuda/blend.h"
 #include "oraclegs/render/cuda/falloff-inl.cuh"
+#include "oraclegs/render/cuda/stages.h"
 
 namespace oraclegs::cuda {
 namespace {

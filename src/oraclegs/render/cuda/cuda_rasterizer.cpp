@@ -1,7 +1,7 @@
-#include "oraclegs/render/cuda/cuda_rasterizer.h"
+#include "oraclegs/render/render.h"
 
-#include "oraclegs/render/cuda/gaussian_backward.h"
 #include "oraclegs/render/cuda/raster_core.h"
+#include "oraclegs/render/cuda/stages.h"
 #include "oraclegs/render/image_buffer.h"
 #include "oraclegs/render/render_inputs.h"
 #include "oraclegs/render/splat_camera.h"

@@ -1,4 +1,4 @@
-#include "oraclegs/render/cuda/gaussian_backward.h"
+#include "oraclegs/render/cuda/stages.h"
 
 #include "oraclegs/render/cuda/gaussian_backward-inl.cuh"
 

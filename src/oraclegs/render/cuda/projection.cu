@@ -1,4 +1,4 @@
-#include "oraclegs/render/cuda/projection.h"
+#include "oraclegs/render/cuda/stages.h"
 
 #include "oraclegs/render/cuda/warp-inl.cuh"
 

@@ -5,8 +5,7 @@
 #include <cstddef>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/render/cuda/projection.h"
-#include "oraclegs/render/cuda/tile_pairs.h"
+#include "oraclegs/render/cuda/stages.h"
 
 namespace oraclegs::cuda {
 

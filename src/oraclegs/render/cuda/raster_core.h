@@ -6,8 +6,8 @@
 // memory grows and the stages after the count are queued again; results do not depend on it.
 
 #include "oraclegs/core/cuda/sort_scan.h"
-#include "oraclegs/render/cuda/blend.h"
 #include "oraclegs/render/cuda/splats.h"
+#include "oraclegs/render/cuda/stages.h"
 
 namespace oraclegs::cuda {
 

@@ -1,4 +1,4 @@
-#include "oraclegs/render/cuda/tile_pairs.h"
+#include "oraclegs/render/cuda/stages.h"
 
 #include "oraclegs/render/cuda/falloff-inl.cuh"
 

@@ -2,7 +2,6 @@
 // Helpers of several kernels.
 
 #include "oraclegs/core/cuda/launch.h"
-#include "oraclegs/core/cuda/warp_sum-inl.cuh"
 #include "oraclegs/render/blend_math-inl.h"
 #include "oraclegs/render/color_math-inl.h"
 #include "oraclegs/render/cuda/splats.h"

@@ -1,4 +1,4 @@
-#include "oraclegs/train/cuda/cuda_train_device.h"
+#include "oraclegs/train/train_device.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,17 +6,16 @@
 #include <utility>
 #include <vector>
 
-#include "oraclegs/render/cuda/cuda_rasterizer.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/train/cuda/cuda_mcmc.h"
 #include "oraclegs/train/cuda/cuda_view_loss.h"
-#include "oraclegs/train/cuda/opacity_factors.h"
-#include "oraclegs/train/cuda/scale_cap.h"
+#include "oraclegs/train/cuda/outliers.h"
 #include "oraclegs/train/cuda/step.h"
 #include "oraclegs/train/memory_estimate.h"
 #include "oraclegs/train/method_part.h"
 #include "oraclegs/train/noise.h"
+#include "oraclegs/train/outliers.h"
 #include "oraclegs/train/regularizers.h"
-#include "oraclegs/train/scale_cap.h"
 
 namespace oraclegs::cuda {
 namespace {

@@ -1,14 +1,31 @@
 #pragma once
 // The views of a run in a GPU's memory.
 
+#include <cstdint>
 #include <vector>
 
+#include "oraclegs/core/buffer.h"
 #include "oraclegs/loss/cuda/device_image.h"
-#include "oraclegs/train/cuda/floaters.h"
+#include "oraclegs/train/cuda/outliers.h"
 #include "oraclegs/train/loss_terms.h"
-#include "oraclegs/train/packed_image.h"
 
 namespace oraclegs::cuda {
+
+/// An image as floats, or, where these hold it exactly, as bytes that stand for byte / 255. At most one of the two is
+/// defined; neither = no image.
+struct PackedImage {
+  Buffer<float> floats;
+  Buffer<uint8_t> bytes;
+
+  bool defined() const { return floats.defined() || bytes.defined(); }
+  /// Bytes of memory that it takes.
+  int64_t size_in_bytes() const { return floats.bytes() + bytes.bytes(); }
+  PackedImage To(Device device) const { return {floats.To(device), bytes.To(device)}; }
+};
+
+/// Packs an image on the host, of any shape: as bytes when each value is byte / 255 to the bit, as in an image file
+/// that was not resized; else as the image itself.
+PackedImage Packed(const Buffer<float>& image);
 
 /// A view's planes, as bytes where bytes hold them exactly.
 struct PackedView {

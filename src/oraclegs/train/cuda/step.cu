@@ -5,6 +5,7 @@
 #include "oraclegs/loss/cuda/sums-inl.cuh"
 #include "oraclegs/render/cuda/gaussian_backward-inl.cuh"
 #include "oraclegs/train/noise_math-inl.h"
+#include "oraclegs/train/opacity_factor_math-inl.h"
 #include "oraclegs/train/step_math-inl.h"
 
 namespace oraclegs::cuda {
@@ -218,6 +219,16 @@ __global__ void AddNoiseToAll(NoiseInput in) {
   for (int k = 0; k < 3; ++k) in.params.means[3 * i + k] = row.mean[k];
 }
 
+constexpr int kFactorsBlock = 256;
+
+__global__ void DrawFactors(OpacityFactorsInput in) {
+  const int64_t i = static_cast<int64_t>(blockIdx.x) * kFactorsBlock + threadIdx.x;
+  if (i >= in.count) return;
+  const OpacityConstants constants{in.seed, static_cast<uint32_t>(in.iteration), static_cast<float>(in.drop),
+                                   static_cast<float>(in.noise)};
+  in.factors[i] = OpacityFactor<float>(constants, static_cast<uint32_t>(i));
+}
+
 }  // namespace
 
 void RunRegularizerSums(const RegularizerInput& in, cudaStream_t stream) {
@@ -236,6 +247,10 @@ void RunWithoutStep(const GaussianBackwardInput& in) {
 
 void RunNoise(const NoiseInput& in, cudaStream_t stream) {
   Launch("noise", AddNoiseToAll, LaunchShape::For(in.count, kStepBlock), stream, in);
+}
+
+void RunOpacityFactors(const OpacityFactorsInput& in, cudaStream_t stream) {
+  Launch("opacity factors", DrawFactors, LaunchShape::For(in.count, kFactorsBlock), stream, in);
 }
 
 }  // namespace oraclegs::cuda

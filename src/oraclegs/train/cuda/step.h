@@ -1,6 +1,7 @@
 #pragma once
-// The work on every Gaussian in every iteration, on a GPU: the regularizers' gradients, Adam and the noise of 3DGS-MCMC
-// (docs/method.md#adam, #regularizers, #mcmc-noise). The CPU's: train/adam.h, train/regularizers.h, train/noise.h.
+// The work on every Gaussian in every iteration, on a GPU: opacity factors, the regularizers' gradients, Adam and the
+// noise of 3DGS-MCMC (docs/method.md#adam, #regularizers, #mcmc-noise). The CPU's: train/opacity_factors.h,
+// train/adam.h, train/regularizers.h, train/noise.h.
 
 #include <cuda_runtime.h>
 
@@ -54,5 +55,17 @@ struct NoiseInput {
   NoiseConstants noise;
 };
 void RunNoise(const NoiseInput& in, cudaStream_t stream);
+
+/// Input of RunOpacityFactors.
+struct OpacityFactorsInput {
+  uint64_t seed = 0;
+  int64_t iteration = 0;
+  double drop = 0, noise = 0;
+  int64_t count = 0;
+  float* factors = nullptr;  ///< [count], in device memory
+};
+
+/// Queues the draws of opacity factors; they differ from the CPU's by rounding only.
+void RunOpacityFactors(const OpacityFactorsInput& in, cudaStream_t stream);
 
 }  // namespace oraclegs::cuda

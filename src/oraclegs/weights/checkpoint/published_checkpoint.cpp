@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/mapped_file.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/safetensors.h"
 #include "oraclegs/core/safetensors_layout.h"
 #include "oraclegs/core/shard_index.h"
