@@ -21,10 +21,10 @@ class ImportTest : public ::testing::Test {
     WriteText(dir_ / name, EncodeJpeg(SmoothImage(width, 12, 3)));
     return dir_ / name;
   }
-  std::vector<std::string> Import(const std::vector<fs::path>& inputs, const CaptureOptions& options = {}) {
+  std::vector<std::string> Import(const std::vector<fs::path>& inputs, int frames = 24) {
     CheckInputs(inputs);
     fs::create_directories(dir_ / "out");
-    ImportPhotos(inputs, options, dir_ / "out/photos", events_.AsListener());
+    ImportPhotos(inputs, frames, dir_ / "out/photos", events_.AsListener());
     std::vector<std::string> names;
     const fs::path images = dir_ / "out/photos/images";
     for (const auto& entry : fs::recursive_directory_iterator(images)) {

@@ -11,7 +11,7 @@
 
 namespace oraclegs {
 
-void CheckBaseline(std::string_view method, const BaselineSettings& settings, const TrainOptions& options) {
+void CheckBaseline(std::string_view method, const BaselineSettings& settings, const AutoTrainOptions& options) {
   if (!options.iterations.is_auto() && settings.prune_modes_at > options.iterations.value()) {
     throw UsageError("{} prunes at iteration {}, which lies beyond the last of {} --iterations; give more", method,
                      settings.prune_modes_at, options.iterations.value());

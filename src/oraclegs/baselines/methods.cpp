@@ -145,8 +145,8 @@ BaselineMethod CoMapGs() {
 
 }  // namespace
 
-TrainOptions Published3dgs() {
-  TrainOptions train;
+AutoTrainOptions Published3dgs() {
+  AutoTrainOptions train;
   train.iterations = 10000;
   train.horizon = 0;
   train.max_gaussians = {};

@@ -12,11 +12,11 @@ namespace oraclegs {
 
 /// Training options of 3DGS-MCMC [Kheradmand 2024] as its authors have them, on which every row builds. Each option is
 /// set here, so that a new default of this program's changes no published method.
-TrainOptions Published3dgs();
+AutoTrainOptions Published3dgs();
 
 struct BaselineMethod {
   std::string word;           ///< for --set method=WORD: "cor-gs", or "cor-gs-dtu" for the settings of one dataset
-  TrainOptions train;         ///< the trainer's options
+  AutoTrainOptions train;     ///< the trainer's options
   BaselineSettings own = {};  ///< what the method has beside them
 };
 

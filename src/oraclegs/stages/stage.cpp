@@ -6,7 +6,7 @@ namespace oraclegs {
 const TrainingViews& ViewsOf(Run* run) {
   std::unique_ptr<TrainingViews>& views = run->results->views;
   if (!views) {
-    views = std::make_unique<TrainingViews>(LoadViews(run->scene, run->split.train, run->options.image, run->listener));
+    views = std::make_unique<TrainingViews>(LoadViews(run->scene, run->split.train, run->plan.image, run->listener));
   }
   return *views;
 }

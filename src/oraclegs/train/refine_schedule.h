@@ -6,11 +6,11 @@
 namespace oraclegs {
 
 /// Whether Gaussians may be added or removed after this iteration: before --set refine-stop, and never after the last
-/// one, whose model is scored without further training. Options are settled.
+/// one, whose model is scored without further training.
 bool IsBeforeRefineStop(const TrainOptions& options, int64_t iteration);
 
 /// Whether densification takes place after this iteration: every --set refine-every between --set refine-start and
-/// --set refine-stop, of settled options.
+/// --set refine-stop.
 bool Refines(const TrainOptions& options, int64_t iteration);
 
 }  // namespace oraclegs
