@@ -82,7 +82,7 @@ TEST_F(ImportTest, IsNotRepeatedForTheSameInputs) {
   Import(inputs);
   EXPECT_EQ(events_.started.size(), 2u);
   EXPECT_EQ(ReadFile(dir_ / "out/photos/images/b.jpg"), ReadFile(dir_ / "b.jpg"));
-  Import(inputs, {.frames = 10});
+  Import(inputs, 10);
   EXPECT_EQ(events_.started.size(), 3u);
 }
 
@@ -107,8 +107,8 @@ TEST_F(ImportTest, GivesNamesThatDifferInMoreThanCase) {
 
 TEST_F(ImportTest, TakesPhotosOutOfAVideo) {
   WriteVideo(dir_ / "clip.mp4", 2);
-  EXPECT_EQ(Import({dir_ / "clip.mp4"}, {.frames = 5}).size(), 5u);
-  EXPECT_THAT(Import({dir_ / "clip.mp4", Photo("a.jpg")}, {.frames = 3}),
+  EXPECT_EQ(Import({dir_ / "clip.mp4"}, 5).size(), 5u);
+  EXPECT_THAT(Import({dir_ / "clip.mp4", Photo("a.jpg")}, 3),
               UnorderedElementsAre("a.jpg", "clip/frame_0001.jpg", "clip/frame_0002.jpg", "clip/frame_0003.jpg"));
 }
 
