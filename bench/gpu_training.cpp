@@ -49,7 +49,7 @@ std::vector<TrainView> Targets(const GpuScene& scene, Device device) {
 }
 
 TrainOptions OptionsFor(const GpuScene& scene, ShMoments sh_moments) {
-  TrainOptions options = TrainOptions().Settled();
+  TrainOptions options;
   options.iterations = kIterations;
   options.max_gaussians = static_cast<int>(scene.gaussians.size());
   options.opacity_noise = kOpacityNoise;

@@ -85,7 +85,7 @@ BenchInput FromWorkspace(const std::filesystem::path& workspace, const InputSize
   BenchInput input;
   input.background = BackgroundColor(options.image.background);
   input.antialiased = options.train.antialiased;
-  for (const LoadedView& view : LoadViews(posed.scene, posed.split.train, options.image, Silent())) {
+  for (const LoadedView& view : LoadViews(posed.scene, posed.split.train, options.image.Settled(), Silent())) {
     input.views.push_back(ResizedView(view, size));
   }
   input.gaussians = LoadModel(WorkspacePaths(workspace).point_cloud(), options, kCpu, posed.frame).gaussians;
@@ -114,7 +114,7 @@ BenchInput Synthetic(const InputSize& size) {
 }
 
 TrainOptions OptionsOf(const BenchInput& input) {
-  TrainOptions options = TrainOptions().Settled();
+  TrainOptions options;
   options.iterations = kNever;
   options.antialiased = input.antialiased;
   options.sh_degree_interval = 1;

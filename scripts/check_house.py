@@ -28,6 +28,11 @@ ROOMS = ("settings", "workspace", "stages", "proposers", "output", "run")
 # src file below src/oraclegs -> why no tests/FLOOR/..._test.cpp has its name. Keep it empty.
 WITHOUT_TEST = {}
 
+# Floors below settings and above take values. The others of these have options of another command, which its own entry
+# settles, or one on which the scene has a say.
+SETTLES = re.compile(
+    r"^src/oraclegs/(settings/|core/options\.h$|scene/split\.cpp$|output/export\.cpp$|experiments/launch/make_launcher\.cpp$)"
+)
 INCLUDE = re.compile(r'^\s*#\s*(?:include|define\s+HWY_TARGET_INCLUDE)\s*[<"]([^>"]+)[>"]')
 TORCH = re.compile(r"^(torch|ATen|c10|caffe2)/")
 OWN = re.compile(r"^oraclegs/(([^/]+)/.+)$")
@@ -197,6 +202,8 @@ class House:
             if SKIPPED.search(code):
                 self.refuse(name, number, "GTEST_SKIP without a reason: GTEST_SKIP() << \"needs ...\"")
             above = lines[number - 2] if number > 1 else ""
+            if ".ValueOr(" in code and name.startswith("src/") and not SETTLES.match(name):
+                self.refuse(name, number, "settles an automatic option: settings/ does, others take its value")
             match = CASTS.search(code) if name.startswith("src/") else None
             if match and "//" not in line and not above.lstrip().startswith("//"):
                 self.refuse(name, number, f"{match.group(1)} without a comment that says why; better change the interface")

@@ -150,6 +150,12 @@ class CheckHouseTest(unittest.TestCase):
             self.assert_refused({"src/oraclegs/core/a.h": f"{cast}<T&>(x)\n"}, f"src/oraclegs/core/a.h:1: {cast}")
             self.assert_accepted({"src/oraclegs/core/a.h": f"{cast}<T&>(x)  // the C interface wants it\n"})
 
+    def test_automatic_options(self):
+        self.assert_refused(
+            {"src/oraclegs/stages/a.h": "int n = asked.views.ValueOr(8);\n"},
+            "src/oraclegs/stages/a.h:1: settles an automatic option")  # fmt: skip
+        self.assert_accepted({"src/oraclegs/core/options.h": "T ValueOr(T decided) const;\nint n = asked.ValueOr(8);\n"})
+
     def test_citations(self):
         docs = {"docs/method.md": "# Method\n## MCMC: relocation\n", "docs/references.md": "- [Kerbl 2023] 3DGS\n"}
         name = "src/oraclegs/core/a.h"

@@ -42,7 +42,7 @@ class CamerasCommand : public Command {
       }
     }
     oraclegs::Run run = OpenRunAsSaved(input_, {}, {}, listener);
-    return WriteCameraDataset({run.scene, run.split, run.options.image, SparsePointsOf(&run), run.frame}, out_.out,
+    return WriteCameraDataset({run.scene, run.split, run.plan.image, SparsePointsOf(&run), run.frame}, out_.out,
                               listener);
   }
 
@@ -50,8 +50,8 @@ class CamerasCommand : public Command {
     CheckRunOptions(options_);
     const PosedScene posed = ReadPosedScene(input_, options_, listener);
     RequireOutsideScene(out_.out, posed.scene, options_.input.images);
-    return WriteCameraDataset({posed.scene, posed.split, options_.image, posed.scene.points, posed.frame}, out_.out,
-                              listener);
+    return WriteCameraDataset({posed.scene, posed.split, options_.image.Settled(), posed.scene.points, posed.frame},
+                              out_.out, listener);
   }
 
   std::filesystem::path input_;

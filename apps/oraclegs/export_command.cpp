@@ -46,7 +46,7 @@ class ExportCommand : public Command {
 
   ExportCameras CamerasOf(const Listener& listener) const {
     const oraclegs::Run run = OpenRunAsSaved(input_, {}, {}, listener);
-    std::vector<Camera> cameras = WorkingCameras(run.scene, run.split.train, run.options.image);
+    std::vector<Camera> cameras = WorkingCameras(run.scene, run.split.train, run.plan.image);
     for (Camera& camera : cameras) camera.cam_from_world = Moved(camera.cam_from_world, WrittenFromRun(run.frame));
     return {LookedAt(cameras), MeanUp(cameras)};
   }

@@ -32,7 +32,7 @@ class MeshCommand : public SourceCommand {
     const Device device = ChooseDevice(options_.device.device, ProbeDevices());
     const Model model = LoadModel(ply, options_, device, posed.frame, listener);
     RequireOutsideScene(std::filesystem::absolute(out).parent_path(), posed.scene, options_.input.images);
-    const std::vector<Camera> cameras = WorkingCameras(posed.scene, posed.split.train, options_.image);
+    const std::vector<Camera> cameras = WorkingCameras(posed.scene, posed.split.train, options_.image.Settled());
     const std::optional<double> unit_meters = posed.frame.unit_meters ? posed.frame.unit_meters : model.unit_meters;
     const Similarity written_from_run = WrittenFromRun(posed.frame);
     mesh_.unit = written_from_run.scale * unit_meters.value_or(1);

@@ -24,7 +24,7 @@ class RenderCommand : public SourceCommand {
     const Device device = ChooseDevice(options_.device.device, ProbeDevices());
     const Model model = LoadModel(ply, options_, device, posed.frame, listener);
     RequireOutsideScene(out, posed.scene, options_.input.images);
-    const auto cameras = PathCameras(posed, options_.image, path_);
+    const auto cameras = PathCameras(posed, options_.image.Settled(), path_);
     const auto videos = RenderCameras(model, cameras, out, path_, listener);
     Print(fmt::format("images     {} in {}", cameras.size(), out.string()));
     for (const auto& video : videos) Print(fmt::format("video      {}", video.string()));

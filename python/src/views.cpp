@@ -28,7 +28,7 @@ struct RunViews {
     for (const char* name : {"threads", "device"}) saved.erase(name);  // belong to the machine, not to the run
     SetRunOptions(saved, UnknownOption::kIgnored, &request.options);
     oraclegs::Run run = OpenRun(request, Silent());
-    scene = std::move(run.scene), split = run.split, image = run.options.image, frame = run.frame;
+    scene = std::move(run.scene), split = run.split, image = run.plan.image, frame = run.frame;
   }
 
   /// The camera in the coordinates of point_cloud.ply.

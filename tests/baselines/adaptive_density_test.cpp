@@ -297,7 +297,6 @@ TEST(ResetsOpacities, AtTheFirstAndRegularlyAfterIt) {
   TrainOptions options;
   options.iterations = 100;
   options.refine_start = 30, options.refine_every = 10, options.refine_stop = 0.7;
-  options = options.Settled();
   BaselineSettings settings;
   settings.opacity_reset = 25;
   const auto black = [&](int i) { return ResetsOpacities(settings, options, false, i); };

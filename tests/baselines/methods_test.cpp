@@ -102,7 +102,8 @@ TEST(AddBaseline, MakesWhatTheSettingsName) {
 }
 
 TEST(CheckBaseline, RefusesWhatTheTrainingWouldIgnore) {
-  TrainOptions options = Options(60);
+  AutoTrainOptions options;
+  options.iterations = 60;
   BaselineSettings settings;
   settings.prune_modes_at = 61;
   EXPECT_THAT(MessageOf<UsageError>([&] { CheckBaseline("--set method=sparsegs", settings, options); }),

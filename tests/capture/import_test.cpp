@@ -21,10 +21,10 @@ class ImportTest : public ::testing::Test {
     WriteText(dir_ / name, EncodeJpeg(SmoothImage(width, 12, 3)));
     return dir_ / name;
   }
-  std::vector<std::string> Import(const std::vector<fs::path>& inputs, const CaptureOptions& options = {}) {
+  std::vector<std::string> Import(const std::vector<fs::path>& inputs, int frames = 24) {
     CheckInputs(inputs);
     fs::create_directories(dir_ / "out");
-    ImportPhotos(inputs, options, dir_ / "out/photos", events_.AsListener());
+    ImportPhotos(inputs, frames, dir_ / "out/photos", events_.AsListener());
     std::vector<std::string> names;
     const fs::path images = dir_ / "out/photos/images";
     for (const auto& entry : fs::recursive_directory_iterator(images)) {
@@ -82,7 +82,7 @@ TEST_F(ImportTest, IsNotRepeatedForTheSameInputs) {
   Import(inputs);
   EXPECT_EQ(events_.started.size(), 2u);
   EXPECT_EQ(ReadFile(dir_ / "out/photos/images/b.jpg"), ReadFile(dir_ / "b.jpg"));
-  Import(inputs, {.frames = 10});
+  Import(inputs, 10);
   EXPECT_EQ(events_.started.size(), 3u);
 }
 
@@ -107,8 +107,8 @@ TEST_F(ImportTest, GivesNamesThatDifferInMoreThanCase) {
 
 TEST_F(ImportTest, TakesPhotosOutOfAVideo) {
   WriteVideo(dir_ / "clip.mp4", 2);
-  EXPECT_EQ(Import({dir_ / "clip.mp4"}, {.frames = 5}).size(), 5u);
-  EXPECT_THAT(Import({dir_ / "clip.mp4", Photo("a.jpg")}, {.frames = 3}),
+  EXPECT_EQ(Import({dir_ / "clip.mp4"}, 5).size(), 5u);
+  EXPECT_THAT(Import({dir_ / "clip.mp4", Photo("a.jpg")}, 3),
               UnorderedElementsAre("a.jpg", "clip/frame_0001.jpg", "clip/frame_0002.jpg", "clip/frame_0003.jpg"));
 }
 

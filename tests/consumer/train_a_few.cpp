@@ -66,7 +66,7 @@ int main() {
   options.max_gaussians = truth.size();
   const double before = MeanError(Blobs(false), held);
   oraclegs::Trainer trainer(options, /*seed=*/1, {0, 0, 0}, data, Blobs(false));
-  for (int i = 0; i < options.iterations.value(); ++i) trainer.Step();
+  for (int i = 0; i < options.iterations; ++i) trainer.Step();
   const double after = MeanError(trainer.gaussians(), held);
   std::printf("mean error %.4f before, %.4f after %ld iterations\n", before, after,
               static_cast<long>(trainer.iteration()));

@@ -46,7 +46,7 @@ TEST(AblationRows, BeginWithMcmcAlone) {
   EXPECT_EQ(first.start.init, StartKind::kRandomCube);
   EXPECT_EQ(first.propose.proposers, ProposerChoice::kNone);
   EXPECT_TRUE(first.propose.proposal_folder.empty());
-  const TrainOptions& t = first.train;
+  const AutoTrainOptions& t = first.train;
   EXPECT_EQ(t.depth_weight + t.alpha_weight + t.proposal_lpips, 0);
   EXPECT_EQ(t.opacity_noise, 0.);
   EXPECT_EQ(t.dropout, 0.);
@@ -67,7 +67,7 @@ TEST(AblationRows, BeginWithThePapersInItsOrder) {
   RunOptions paper;
   paper.validate.calibrate = false, paper.start.init = StartKind::kSfm, paper.start.init_scale = 0.1,
   paper.propose.proposers = ProposerChoice::kSeva;
-  TrainOptions& t = paper.train;
+  AutoTrainOptions& t = paper.train;
   t.schedule = ScheduleKind::kPaper, t.exposure = ExposureMode::kOff;
   t.dropout = 0, t.opacity_noise = 0, t.last_rates = 1, t.largest_scale = 0, t.alpha_weight = 0;
   EXPECT_EQ(Shaping(6, paper), ShapingOptionsToJson(paper)) << "the paper's preset is the last of its rows";

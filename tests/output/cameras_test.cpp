@@ -52,7 +52,7 @@ class CamerasTest : public testing::Test {
 
 TEST_F(CamerasTest, ReadBackAsColmapModelAndAsTransforms) {
   const PosedScene posed = Read(2);
-  const ImageOptions& image = request.options.image;
+  const ImageOptions image = request.options.image.Settled();
   std::vector<ScenePoint> points;
   points.push_back({Eigen::Vector3d(0.125, 0.25, -0.5), {1, 2, 3}, {0, 1, 3}});
   const fs::path out = temp / "made/";

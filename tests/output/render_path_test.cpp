@@ -17,14 +17,14 @@ TEST_F(RenderPathTest, RendersItsPaths) {
   RenderPathOptions path;
   path.video = false;
   path.frames = 3;
-  const auto orbit = PathCameras(posed, request->options.image, path);
+  const auto orbit = PathCameras(posed, request->options.image.Settled(), path);
   ASSERT_EQ(orbit.size(), 3u);
   EXPECT_EQ(orbit[2].name, "0002");
   path.path = PathKind::kTest;
-  const auto test = PathCameras(posed, request->options.image, path);
+  const auto test = PathCameras(posed, request->options.image.Settled(), path);
   EXPECT_EQ(test.size(), posed.split.test.size());
   path.path = PathKind::kTrain;
-  EXPECT_EQ(PathCameras(posed, request->options.image, path).size(), posed.split.train.size());
+  EXPECT_EQ(PathCameras(posed, request->options.image.Settled(), path).size(), posed.split.train.size());
 
   const Model model = LoadModel(*temp / "out" / "point_cloud.ply", request->options, kCpu, posed.frame);
   RenderCameras(model, orbit, *temp / "pictures", path, Silent());
@@ -39,7 +39,7 @@ TEST_F(RenderPathTest, WritesEachValueIntoItsFolder) {
   RenderPathOptions path;
   path.video = false, path.frames = 2, path.path = PathKind::kInterpolate, path.what = "normals,color,depth";
 
-  const auto cameras = PathCameras(posed, request->options.image, path);
+  const auto cameras = PathCameras(posed, request->options.image.Settled(), path);
   ASSERT_EQ(cameras.size(), 2u);
   RenderCameras(model, cameras, *temp / "values", path, Silent());
   for (const char* file : {"0000.png", "normals/0001.png", "depth/0001.png"}) {
@@ -58,7 +58,7 @@ TEST_F(RenderPathTest, SpiralHasItsFrames) {
   const PosedScene posed = ReadPosedScene(request->scene, request->options, Silent());
   RenderPathOptions path;
   path.frames = 5, path.path = PathKind::kSpiral;
-  EXPECT_EQ(PathCameras(posed, request->options.image, path).size(), 5u);
+  EXPECT_EQ(PathCameras(posed, request->options.image.Settled(), path).size(), 5u);
 }
 
 TEST_F(RenderPathTest, KeepsViewsOfOneStemApart) {
@@ -70,7 +70,7 @@ TEST_F(RenderPathTest, KeepsViewsOfOneStemApart) {
   rename(1, "1.png");
   RenderPathOptions path;
   path.path = PathKind::kTrain;
-  const auto cameras = PathCameras(posed, request->options.image, path);
+  const auto cameras = PathCameras(posed, request->options.image.Settled(), path);
   EXPECT_EQ(cameras[0].name, "1_jpg");
   EXPECT_EQ(cameras[1].name, "1_png");
 }
@@ -80,7 +80,7 @@ TEST_F(RenderPathTest, WritesTheVideoIntoTheNamedFolderAlone) {
   const Model model = LoadModel(*temp / "out" / "point_cloud.ply", request->options, kCpu, posed.frame);
   RenderPathOptions path;
   path.frames = 2;
-  const auto orbit = PathCameras(posed, request->options.image, path);
+  const auto orbit = PathCameras(posed, request->options.image.Settled(), path);
   const std::filesystem::path out = *temp / "holiday";
   WriteText(*temp / "holiday.mp4", "the user's own");
   {

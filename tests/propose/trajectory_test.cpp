@@ -27,9 +27,9 @@ class TrajectoryTest : public ::testing::Test {
     request_.points = &points_;
   }
   std::vector<Target> Choose(const std::string& trajectory, int proposals = 16) {
-    TrajectoryOptions options{{}, proposals};
-    SetOption("trajectory", trajectory, &options.trajectory);
-    return ChooseTargets(request_, options, events_.AsListener());
+    const bool is_auto = trajectory == "auto";
+    const TargetPlan plan{proposals, is_auto ? Trajectory::kDataset : *FromWord<Trajectory>(trajectory), is_auto};
+    return ChooseTargets(request_, plan, events_.AsListener());
   }
   void AddSpare(int count) {
     for (int i = 0; i < count; ++i) {
@@ -187,10 +187,7 @@ TEST_F(TrajectoryTest, GivesNoneForZeroProposals) {
   EXPECT_THAT(events_.notes, IsEmpty());
 }
 
-TEST_F(TrajectoryTest, RefusesWrongOptions) {
-  EXPECT_THROW(Choose("helix"), UsageError);
-  EXPECT_THROW(Choose("orbit", -1), UsageError);
-  EXPECT_THROW(Choose("orbit", 10001), UsageError);
+TEST_F(TrajectoryTest, NeedsTrainingCameras) {
   request_.train.clear();
   EXPECT_THROW(Choose("orbit"), std::invalid_argument);
 }

@@ -18,7 +18,7 @@ using ProxyModelsTest = ProposingTest;
 TEST_F(ProxyModelsTest, HoldOutEachViewOnceAndAreReadBack) {
   auto run = StartRun(Request(), Silent());
   const std::vector<ProxyModel> first = Bring(&run, "proxies").proxies;
-  const TrainOptions options = ProxyOptions(run.options, run.options.train);
+  const AutoTrainOptions options = ProxyOptions(run.options, run.options.train);
   EXPECT_EQ(options.iterations, 6);  // 0.2 of 30
   EXPECT_EQ(options.schedule, ScheduleKind::kNone);
   ASSERT_EQ(first.size(), 3u);
@@ -70,14 +70,6 @@ TEST_F(ProxyModelsTest, WithoutAFinishAreWhatTheyWereBefore) {
   EXPECT_TRUE(Equal(proxies[0].before.means, proxies[0].gaussians.means));
 }
 
-TEST(ProxyFinish, IsLongerForAnObject) {
-  ProposeOptions options;
-  EXPECT_EQ(options.ProxyFinish(false), 0.4);
-  EXPECT_EQ(options.ProxyFinish(true), 0.6);
-  options.proxy_finish = 0.1;
-  EXPECT_EQ(options.ProxyFinish(true), 0.1);
-}
-
 #if !defined(ORACLEGS_CUDA)
 TEST_F(ProxyModelsTest, AreTrainedOnTheDeviceOfTheRun) {
   auto run = StartRun(Request("device"), Silent());
@@ -125,7 +117,7 @@ TEST_F(ProxyModelsTest, DependOnTheHorizonThatTheirRatesFollow) {
 
 TEST_F(ProxyModelsTest, DoNotDependOnHowProposalsAreTrainedOn) {
   RunOptions options = Request().options;
-  TrainOptions other = options.train;
+  AutoTrainOptions other = options.train;
   other.synthetic_floor = 0.7, other.proposal_ssim = 0.1, other.confidence_power = 0.5;
   EXPECT_EQ(OptionsToJson(ProxyOptions(options, other)), OptionsToJson(ProxyOptions(options, options.train)));
 }

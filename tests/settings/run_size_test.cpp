@@ -17,7 +17,7 @@ RunOptions On(Quality quality) {
 
 TEST(WithSize, ReducesPhonePhotosOnACpu) {
   const RunOptions settled = WithSize({}, kPhones, false);
-  EXPECT_EQ(WorkingSize({4000, 3000}, settled.image), (PixelSize{1000, 750}));
+  EXPECT_EQ(WorkingSize({4000, 3000}, settled.image.Settled()), (PixelSize{1000, 750}));
   EXPECT_EQ(settled.train.max_gaussians, 100000);
   EXPECT_EQ(settled.propose.proposers, ProposerChoice::kSplat);
 }
@@ -65,7 +65,7 @@ TEST(WithSize, LeavesWhatTheUserSet) {
 TEST(WithSize, DownscaleStandsInForMaxSize) {
   RunOptions asked;
   asked.image.downscale = 2;
-  EXPECT_EQ(WorkingSize({4000, 3000}, WithSize(asked, kPhones, false).image), (PixelSize{2000, 1500}));
+  EXPECT_EQ(WorkingSize({4000, 3000}, WithSize(asked, kPhones, false).image.Settled()), (PixelSize{2000, 1500}));
 }
 
 TEST(WithSize, TrainsToTheHorizon) {
@@ -89,7 +89,7 @@ TEST(SavedSize, IgnoresDamage) {
 TEST(WithUsualSizes, HoldsViewsOutAtFullSize) {
   const RunOptions usual = WithUsualSizes({});
   EXPECT_TRUE(usual.split.eval);
-  EXPECT_EQ(WorkingSize({4000, 3000}, usual.image), (PixelSize{4000, 3000}));
+  EXPECT_EQ(WorkingSize({4000, 3000}, usual.image.Settled()), (PixelSize{4000, 3000}));
   EXPECT_EQ(usual.train.iterations, kUsualIterations);
 }
 

@@ -162,7 +162,7 @@ TEST_F(DepthStageTest, ReadsBackWhatAnotherDeviceFound) {
 std::vector<ScenePoint> PointsOf(const oraclegs::Run& run) {
   std::vector<ScenePoint> points;
   for (const int view : run.split.train) {
-    const Camera camera = WorkingCamera(run.scene.views[static_cast<size_t>(view)], run.options.image);
+    const Camera camera = WorkingCamera(run.scene.views[static_cast<size_t>(view)], run.plan.image);
     for (int i = 0; i < 100; ++i) {
       const double z = 3 + 0.02 * (i * 37 % 100), x = i * 7 % 48 + 0.5, y = i * 11 % 36 + 0.5;
       const Eigen::Vector3d in_camera((x - camera.cx) / camera.fx * z, (y - camera.cy) / camera.fy * z, z);

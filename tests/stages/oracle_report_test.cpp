@@ -20,7 +20,7 @@ TEST_F(OracleReportTest, MeasuresProposalsAgainstSpareViews) {
   // A proposal that is the image itself but for one row, which the oracle does not trust.
   const int v = SpareViews(run)[1];
   const std::string file = FileName(run.scene.views[static_cast<size_t>(v)].name) + ".png";
-  Image8 picture = ToImage8(LoadViews(run.scene, {v}, run.options.image, Silent())[0].rgb);
+  Image8 picture = ToImage8(LoadViews(run.scene, {v}, run.plan.image, Silent())[0].rgb);
   std::vector<uint8_t> trust(size_t{80} * 60, 255);
   for (size_t x = 0; x < 80; ++x) {
     for (size_t c = 0; c < 3; ++c) picture.data[3 * x + c] = static_cast<uint8_t>(picture.data[3 * x + c] ^ 0x80);

@@ -33,7 +33,7 @@ TEST(LargerViews, AreReadWhereTheWorkingSizeHasTooFewPixels) {
   EXPECT_EQ(larger->front().rgb.width, 48);
   EXPECT_EQ(larger->front().camera.height, 36);
   EXPECT_EQ(larger->front().name, ViewsOf(&run).views.front().name);
-  run.options.image.downscale = 1;
+  run.plan.image.downscale = 1;
   EXPECT_FALSE(LargerViews(run, 100)) << "the files have no more";
 }
 

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "run/fixtures.h"
-#include "support/event_recorder.h"
 
 namespace oraclegs {
 namespace {
@@ -77,108 +76,27 @@ TEST(TrainInputs, MaskDepthByZeroAndOneForThePaper) {
   EXPECT_THAT(masks(), testing::ElementsAre(0, 0, 0)) << "but not where it could not be aligned";
 }
 
-TEST(SettleUnion, DrawsFromOnePile) {
-  TrainOptions options;
-  options.schedule = ScheduleKind::kUnion;
-  const TrainOptions settled = SettleUnion(options, 12, 36);
-  EXPECT_EQ(settled.Proposals().floor, 0.75);
-  EXPECT_EQ(settled.Proposals().peak, 0);
-  EXPECT_EQ(SettleUnion(options, 12, 0).Proposals().floor, 0);
-  options.schedule = ScheduleKind::kPaper;
-  EXPECT_EQ(SettleUnion(options, 12, 36).Proposals().peak, 1) << "others stay as they are";
-}
-
-TEST(TrainInputs, LearnExposureWhereItVaries) {
-  EventRecorder recorder;
+TEST(TrainInputs, SayWhatTheTrainingIsSettledFrom) {
+  Object object;
+  EXPECT_TRUE(EvidenceOf(object.training(), object.geometry).is_object);
+  for (size_t i = 0; i < object.photos[0].rgb.data.size(); i += 2) object.photos[0].rgb.data[i] = 0;  // no plain border
+  EXPECT_FALSE(EvidenceOf(object.training(), object.geometry).is_object);
+  EXPECT_EQ(EvidenceOf(object.training(), {}).photos, 1u);
   Geometry geometry;
+  EXPECT_EQ(EvidenceOf(TrainingViews({}), geometry).exposure_spread, 0);
   geometry.gains.assign(4, Eigen::Vector3f::Constant(1.01f));
-  TrainOptions options;
-  EXPECT_EQ(SettleTrainOptions(options, TrainingViews({}), geometry, recorder.AsListener()).exposure,
-            ExposureMode::kOff);
-  EXPECT_EQ(SettleTrainOptions(options, TrainingViews({}), {}, recorder.AsListener()).exposure, ExposureMode::kOff);
-  EXPECT_TRUE(recorder.notes.empty());
+  geometry.gains[3] = Eigen::Vector3f::Constant(1.02f);
+  EXPECT_EQ(EvidenceOf(TrainingViews({}), geometry).exposure_spread, 0) << "they do not really differ";
   geometry.gains[1] = Eigen::Vector3f::Constant(1.5f);
-  EXPECT_EQ(SettleTrainOptions(options, TrainingViews({}), geometry, recorder.AsListener()).exposure,
-            ExposureMode::kOn);
-  EXPECT_THAT(recorder.notes.back(), testing::HasSubstr("--exposure"));
-  options.exposure = ExposureMode::kOff;
-  EXPECT_EQ(SettleTrainOptions(options, TrainingViews({}), geometry, recorder.AsListener()).exposure,
-            ExposureMode::kOff);
+  EXPECT_GT(EvidenceOf(TrainingViews({}), geometry).exposure_spread, kVariedExposure);
 }
 
-TEST(TrainInputs, SettleWhatIsAutomatic) {
-  EventRecorder recorder;
-  const Object object;
-  TrainOptions options = SettleTrainOptions({}, object.training(), object.geometry, recorder.AsListener());
-  EXPECT_GT(options.dropout.value(), 0) << "an object";
-  EXPECT_THAT(recorder.notes.front(), testing::HasSubstr("silhouettes"));
-  EXPECT_GT(options.opacity_noise.value(), 0);
-  EXPECT_LT(options.last_rates.value(), 1);
-  Object scene;
-  for (size_t i = 0; i < scene.photos[0].rgb.data.size(); i += 2) scene.photos[0].rgb.data[i] = 0;  // no plain border
-  EXPECT_EQ(SettleTrainOptions({}, scene.training(), scene.geometry, Silent()).dropout, 0.);
-  TrainOptions given;
-  given.dropout = 0., given.opacity_noise = 0.;
-  given.last_rates = 1.;
-  given = SettleTrainOptions(given, object.training(), object.geometry, Silent());
-  EXPECT_EQ(given.dropout, 0.);
-  EXPECT_EQ(given.opacity_noise, 0.);
-  EXPECT_EQ(given.last_rates, 1.);
-}
-
-TEST(TrainInputs, RaiseTheRatesOfAShortRun) {
-  const auto settle = [](TrainOptions options) { return SettleTrainOptions(options, TrainingViews({}), {}, Silent()); };
-  TrainOptions options;
-  options.iterations = 7500;
-  TrainOptions settled = settle(options);
-  EXPECT_DOUBLE_EQ(settled.rate_scale.value(), 2);
-  EXPECT_EQ(settled.refine_start, kUsualRefineStart);
-  EXPECT_EQ(settled.refine_every, kUsualRefineEvery);
-  EXPECT_EQ(settled.sh_degree_interval, kUsualShDegreeInterval);
-  options.iterations = 2000;
-  settled = settle(options);
-  EXPECT_EQ(settled.refine_start, 200);
-  EXPECT_EQ(settled.refine_every, 40);
-  EXPECT_EQ(settled.sh_degree_interval, 400);
-  options.iterations = 2;
-  settled = settle(options);
-  EXPECT_EQ(settled.rate_scale, 6.);
-  EXPECT_EQ(settled.refine_every, 10);
-  EXPECT_EQ(settled.sh_degree_interval, 1);
-  options.iterations = 60000;
-  EXPECT_EQ(settle(options).rate_scale, 1.);
-  options.iterations = 2000, options.horizon = 30000;  // the course of the paper, stopped early
-  EXPECT_EQ(settle(options).rate_scale, 1.);
-  options.horizon = 0, options.rate_scale = 1.5, options.refine_every = 7;
-  settled = settle(options);
-  EXPECT_EQ(settled.rate_scale, 1.5);
-  EXPECT_EQ(settled.refine_every, 7);
-}
-
-TEST(ChosenOptions, AreThoseThatWereAutomatic) {
-  TrainOptions asked, settled;
-  asked.iterations = 7500, asked.dropout = 0.1;
-  settled = asked;
-  settled.rate_scale = 2., settled.dropout = 0.2, settled.exposure = ExposureMode::kOff;
-  EXPECT_EQ(ChosenOptions(asked, settled), nlohmann::json({{"rate-scale", 2.0}, {"exposure", "off"}}));
-}
-
-TEST(TrainInputs, TakeProposalsOfProxyModelsAsOftenAsTheyAreTrusted) {
-  EventRecorder recorder;
+TEST(MeanSquaredConfidence, IsThatOfAllPixels) {
   std::vector<TrainView> proposals(2);
   proposals[0].pixel_weight = Buffer<float>::Full({4, 6}, 1.f);
   proposals[1].pixel_weight = Buffer<float>::Full({4, 6}, 0.5f);
-  const TrainOptions settled = SettleProxyDose({}, proposals, recorder.AsListener());
-  EXPECT_EQ(settled.schedule, ScheduleKind::kConstant);
-  EXPECT_NEAR(settled.synthetic_floor.value(), 0.5 * (1 + 0.25) / 2, 1e-12);
-  EXPECT_THAT(recorder.notes, testing::ElementsAre("31 % of the iterations take a proposal (--set synthetic-floor)"));
-  EXPECT_TRUE(SettleProxyDose({}, {}, Silent()).schedule.is_auto());
-  TrainOptions asked;
-  asked.synthetic_floor = 0.2;
-  EXPECT_TRUE(SettleProxyDose(asked, proposals, Silent()).schedule.is_auto());
-  asked = {};
-  asked.schedule = ScheduleKind::kPaper;
-  EXPECT_TRUE(SettleProxyDose(asked, proposals, Silent()).synthetic_floor.is_auto());
+  EXPECT_NEAR(MeanSquaredConfidence(proposals).value(), (1 + 0.25) / 2, 1e-12);
+  EXPECT_FALSE(MeanSquaredConfidence({}).has_value());
 }
 
 TEST(TrainInputs, SaveExposuresByName) {

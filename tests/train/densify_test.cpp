@@ -8,11 +8,11 @@
 namespace oraclegs {
 namespace {
 
-TrainOptions Settled() {
+TrainOptions ToHundred() {
   TrainOptions options;
   options.iterations = 100;
   options.refine_start = 30, options.refine_every = 10, options.refine_stop = 0.7;
-  return options.Settled();
+  return options;
 }
 
 template <class F>
@@ -25,7 +25,7 @@ std::vector<int> Iterations(const F& holds) {
 }
 
 TEST(Refines, BetweenStartAndStop) {
-  TrainOptions options = Settled();
+  TrainOptions options = ToHundred();
   const auto refines = [&](int i) { return Refines(options, i); };
   EXPECT_THAT(Iterations(refines), testing::ElementsAre(40, 50, 60));
   options.refine_stop = 1;
@@ -33,7 +33,7 @@ TEST(Refines, BetweenStartAndStop) {
 }
 
 TEST(IsBeforeRefineStop, EndsWithTheLastIteration) {
-  TrainOptions options = Settled();
+  TrainOptions options = ToHundred();
   const auto before = [&](int i) { return IsBeforeRefineStop(options, i); };
   EXPECT_EQ(Iterations(before).back(), 69);
   options.refine_stop = 1;

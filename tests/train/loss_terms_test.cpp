@@ -44,8 +44,8 @@ TEST(LossPlan, GivesPhotosTheirTerms) {
   EXPECT_EQ(terms.begin()[0].photometric.dssim, 0.2f);
   EXPECT_EQ(terms.begin()[2].mask, ViewPlane::kDepthMask);
   EXPECT_EQ(terms.exposure, 0);
-  EXPECT_EQ(terms.exposure_rate, ExposureLearningRate(30, options.iterations.value()));
-  EXPECT_EQ(plan.Terms(kPhoto, options.iterations.value()).exposure_rate, 0);  // the last iteration moves no map
+  EXPECT_EQ(terms.exposure_rate, ExposureLearningRate(30, options.iterations));
+  EXPECT_EQ(plan.Terms(kPhoto, options.iterations).exposure_rate, 0);  // the last iteration moves no map
 }
 
 TEST(LossPlan, GivesProposalsTheirTerms) {
@@ -96,8 +96,7 @@ TEST(LossPlan, LowersTheDepthWeightOverTheRun) {
   const LossPlan plan(options, std::vector<TrainView>{photo});
   const double scale = CharacteristicDepth({WithCleanDepth(photo)});
   for (const int64_t i : {1, 30, 100}) {
-    EXPECT_DOUBLE_EQ(plan.Terms(kPhoto, i).begin()[1].weight, 2 * scale * DepthWeight(i, options.iterations.value()))
-        << i;
+    EXPECT_DOUBLE_EQ(plan.Terms(kPhoto, i).begin()[1].weight, 2 * scale * DepthWeight(i, options.iterations)) << i;
   }
 }
 

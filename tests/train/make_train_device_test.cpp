@@ -54,13 +54,13 @@ TEST_F(CpuTrainDeviceTest, HasNoExposuresWithoutTrainingThem) {
 }
 
 TEST(MakeTrainDevice, MakesTheCpus) {
-  const TrainOptions options = Options().Settled();
+  const TrainOptions options = Options();
   const LossPlan plan(options, Photos(1));
   EXPECT_NE(MakeTrainDevice(kCpu, {options, plan, 60}), nullptr);
 }
 
 TEST(MakeTrainDevice, RefusesDevicesThatTheBuildLacks) {
-  const TrainOptions options = Options().Settled();
+  const TrainOptions options = Options();
   const LossPlan plan(options, Photos(1));
   const Device none{static_cast<DeviceKind>(7), 0};
   EXPECT_THAT(MessageOf<UsageError>([&] {

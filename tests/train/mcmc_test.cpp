@@ -300,8 +300,7 @@ TEST(McmcTest, RefusesMomentsOfAnotherSize) {
 }
 
 /// Gaussians after one refinement of a start with dead Gaussians.
-Gaussians Refined(TrainOptions options, bool* adds_noise) {
-  options = options.Settled();
+Gaussians Refined(const TrainOptions& options, bool* adds_noise) {
   const LossPlan plan(options, Photos(2));
   auto rasterizer = MakeRasterizer(kCpu);
   const std::unique_ptr<Densifier> densifier = MakeMcmcDensifier({options, plan, rasterizer.get()});

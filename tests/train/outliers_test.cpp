@@ -163,7 +163,7 @@ TEST(CapScalesTest, ATrainingKeepsThemToTheEnd) {
     const std::vector<TrainView> photos = Photos(3);
     const std::vector<float> centers = CameraCenters(photos);
     Trainer trainer(options, kSeed, {0, 0, 0}, photos, Start());
-    for (int i = 0; i < options.iterations.value(); ++i) trainer.Step();
+    for (int i = 0; i < options.iterations; ++i) trainer.Step();
     const Gaussians& g = trainer.gaussians();
     double most = 0;
     for (int64_t i = 0; i < g.size(); ++i) {

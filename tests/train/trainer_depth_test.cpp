@@ -48,7 +48,7 @@ TEST(TrainerDepthTest, TheTermIsThatOfTheFormula) {
   const double error = 0.25;
   Flat(views[0].inv_depth) += static_cast<float>(error);
   const TrainView clean = WithCleanDepth(views[0]);
-  const double expected = 3 * DepthWeight(1, Options().iterations.value()) * CharacteristicDepth({clean}) * error *
+  const double expected = 3 * DepthWeight(1, Options().iterations) * CharacteristicDepth({clean}) * error *
                           Wide(views[0].depth_mask).mean();
   EXPECT_GT(expected, 0.01);
   EXPECT_NEAR(FirstLoss(OnlyDepth(3), views), expected, 1e-4);
@@ -108,7 +108,7 @@ TEST(TrainerDepthTest, BringsTheRenderToTheDepthWherePicturesSayNothing) {
     TrainOptions options = OnlyDepth(weight);
     options.refine_stop = 0;
     Trainer trainer(options, kSeed, {0, 0, 0}, views, start);
-    for (int i = 0; i < options.iterations.value(); ++i) trainer.Step();
+    for (int i = 0; i < options.iterations; ++i) trainer.Step();
     return DepthError(trainer.gaussians(), views);
   };
   EXPECT_GT(after(0), 0.9 * before);

@@ -56,8 +56,8 @@ class SlowTrainer {
 
   double Step(int64_t i) {
     const TrainOptions options = ShortOptions();
-    const LearningRates rates{MeansLearningRate(i, options.iterations.value(), extent_)};
-    const int degree = ActiveShDegree(i, options.sh_degree_interval.value());
+    const LearningRates rates{MeansLearningRate(i, options.iterations, extent_)};
+    const int degree = ActiveShDegree(i, options.sh_degree_interval);
     const TrainView& view = views_[sampler_.Next(0).index];
     const RenderOutput out = rasterizer_->Forward(gaussians_, view.camera, {{}, degree, false}, RenderPass::kTrain);
     Buffer<float> grad_image = Buffer<float>::Empty(out.image.shape());
@@ -65,11 +65,11 @@ class SlowTrainer {
     Gaussians grads = Gaussians::Zeros(gaussians_.size());
     rasterizer_->Backward(gaussians_, {grad_image, {}, {}}, &grads);
     const double loss = photometric + AddRegularizers(gaussians_, {options.opacity_reg, options.scale_reg}, &grads);
-    if (i == options.iterations.value()) return loss;
+    if (i == options.iterations) return loss;
     adam_.Step(grads, rates, degree, &gaussians_);
     if (i == 8 || i == 16 || i == 24) {
       moved_ += RelocateDead(kFusedSeed, i, &gaussians_, &adam_);
-      AddGaussians(kFusedSeed, i, options.max_gaussians.value(), &gaussians_, &adam_);
+      AddGaussians(kFusedSeed, i, options.max_gaussians, &gaussians_, &adam_);
     }
     AddNoise({kFusedSeed, i, rates.means}, &gaussians_);
     return loss;
@@ -102,7 +102,7 @@ TEST(TrainerFusedTest, GivesTheBitsOfItsPartsOneAfterTheOther) {
     const Threads scope(threads);
     SlowTrainer slow(start);
     Trainer fused(ShortOptions(), kFusedSeed, {0, 0, 0}, FarPhotos(), start);
-    for (int64_t i = 1; i <= ShortOptions().iterations.value(); ++i) {
+    for (int64_t i = 1; i <= ShortOptions().iterations; ++i) {
       ASSERT_EQ(fused.Step(), slow.Step(i)) << i;
       ASSERT_TRUE(SameBits(fused.gaussians(), slow.gaussians())) << i;
     }

@@ -49,7 +49,7 @@ TEST(ViewLoss, WeighsProposalsByConfidenceAndDepthByItsMask) {
   Buffer<float> grad = Buffer<float>::Empty(out.image.shape()),
                 grad_depth = Buffer<float>::Empty(out.inv_depth.shape());
   const double image = PhotometricLoss()(out.image, proposal.image, proposal.pixel_weight, {0.7f, 0.3f}, &grad).loss;
-  const double weight = 2 * CharacteristicDepth({proposal}) * DepthWeight(30, options.iterations.value());
+  const double weight = 2 * CharacteristicDepth({proposal}) * DepthWeight(30, options.iterations);
   const double depth = MaskedL1(out.inv_depth, proposal.inv_depth, proposal.depth_mask, weight, &grad_depth);
   EXPECT_GT(depth, 0);
   EXPECT_DOUBLE_EQ(result.loss, image + depth);

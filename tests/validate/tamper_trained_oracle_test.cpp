@@ -51,7 +51,7 @@ class TamperTrainedOracleTest : public ProposingTest {
       held_out.emplace_back(static_cast<int>(v));
     }
     held_out_views.emplace(HeldOutCandidates{views, proposers.Ask(targets, held_out)});
-    spare = LoadViews(run->scene, SpareViews(*run), run->options.image, Silent());
+    spare = LoadViews(run->scene, SpareViews(*run), run->plan.image, Silent());
   }
 
   TamperTrainedOracle Train() {

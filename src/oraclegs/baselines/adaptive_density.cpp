@@ -155,14 +155,14 @@ class AdaptiveDensifier final : public Densifier {
     const BaselineSettings& baseline = settings_;
     const int64_t reset = baseline.opacity_reset;
     DensityControl control{iteration.seed, iteration.number, baseline.densify_gradient, extent_,
-                           options_.max_gaussians.value()};
+                           options_.max_gaussians};
     control.least_opacity = baseline.prune_opacity;
     control.opacity_to_grow = baseline.densify_opacity;
     control.splits_lonely = baseline.split_lonely;
     control.removes_large = !baseline.keep_large && reset > 0 && extent_ > 0 && iteration.number > reset;
     const auto unpool = [&](Gaussians* gaussians, Adam* adam) {
       if (iteration.number >= baseline.unpool_until) return;
-      UnpoolGaussians(ProximityLimits::Unpool(extent_), options_.max_gaussians.value(), gaussians);
+      UnpoolGaussians(ProximityLimits::Unpool(extent_), options_.max_gaussians, gaussians);
       adam->GrowTo(gaussians->size());
     };
     ControlDensity(control, MeanGradients(iteration), &model->gaussians, &model->adam, unpool);
@@ -172,7 +172,7 @@ class AdaptiveDensifier final : public Densifier {
   /// Mean screen gradient of each Gaussian. One that dropout leaves out is not counted as seen; the published programs
   /// count it as seen without gradient.
   std::vector<float> MeanGradients(const Iteration& iteration) const {
-    const double kept = 1 - DropProbability(options_.dropout.value(), iteration.number, options_.iterations.value());
+    const double kept = 1 - DropProbability(options_.dropout, iteration.number, options_.iterations);
     const Buffer<float> sums = screen_.sum.To(kCpu), views = screen_.views.To(kCpu);
     std::vector<float> gradients(static_cast<size_t>(sums.count()), 0);
     for (int64_t i = 0; i < sums.count(); ++i) {
@@ -242,10 +242,9 @@ void ResetOpacities(double most, Gaussians* gaussians, Adam* adam) {
 
 bool ResetsOpacities(const BaselineSettings& settings, const TrainOptions& options, bool is_background_white,
                      int64_t iteration) {
-  const int64_t every = settings.opacity_reset, first = settings.opacity_reset_first.ValueOr(settings.opacity_reset);
+  const int64_t every = settings.opacity_reset, first = settings.opacity_reset_first.value_or(settings.opacity_reset);
   if (every == 0 || !IsBeforeRefineStop(options, iteration)) return false;
-  const bool is_start =
-      is_background_white && settings.opacity_reset_first.is_auto() && iteration == options.refine_start.value();
+  const bool is_start = is_background_white && !settings.opacity_reset_first && iteration == options.refine_start;
   return is_start || (iteration >= first && (iteration - first) % every == 0);
 }
 

@@ -15,7 +15,7 @@ void AddTo(const Buffer<float>& from, const Buffer<float>& to) {
 }  // namespace
 
 CorrelatedDepth::CorrelatedDepth(const BaselineSetup& setup)
-    : settings_(setup.baseline), horizon_(setup.options.Settled().Horizon()), photos_(DepthAlone(setup.data.photos)) {}
+    : settings_(setup.baseline), horizon_(setup.options.Horizon()), photos_(DepthAlone(setup.data.photos)) {}
 
 double CorrelatedDepth::OnView(const Iteration& iteration, const RenderOutput& out, RenderGrads* grads) {
   if (iteration.view.kind != ViewKind::kPhoto) return 0;

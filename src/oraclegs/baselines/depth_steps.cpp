@@ -39,7 +39,7 @@ std::vector<TrainView> DepthAlone(const std::vector<TrainView>& photos) {
 }
 
 DepthSteps::DepthSteps(const BaselineSetup& setup)
-    : options_(setup.options.Settled()),
+    : options_(setup.options),
       settings_(setup.baseline),
       photos_(DepthAlone(setup.data.photos)),
       rasterizer_(MakeRasterizer(kCpu)) {

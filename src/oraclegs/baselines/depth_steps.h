@@ -43,7 +43,7 @@ class DepthSteps final : public MethodPart {
   const Gaussians& Gradient(const Gaussians& gaussians, const TrainView& photo, const Iteration& iteration,
                             uint64_t patch_seed);
 
-  TrainOptions options_;  // settled
+  TrainOptions options_;
   BaselineSettings settings_;
   std::vector<TrainView> photos_;  // cameras and depth alone
   std::unique_ptr<Rasterizer> rasterizer_;

@@ -153,8 +153,8 @@ BaselineMethod CoMapGs() {
 
 }  // namespace
 
-TrainOptions Published3dgs() {
-  TrainOptions train;
+AutoTrainOptions Published3dgs() {
+  AutoTrainOptions train;
   train.iterations = 10000;
   train.horizon = 0;
   train.max_gaussians = {};
@@ -224,7 +224,7 @@ const BaselineMethod& BaselineFor(const std::string& method, const std::string& 
   return found == all.end() ? FindBaseline(method) : *found;
 }
 
-void CheckBaseline(std::string_view method, const BaselineSettings& settings, const TrainOptions& options) {
+void CheckBaseline(std::string_view method, const BaselineSettings& settings, const AutoTrainOptions& options) {
   if (!options.iterations.is_auto() && settings.prune_modes_at > options.iterations.value()) {
     throw UsageError("{} prunes at iteration {}, which lies beyond the last of {} --iterations; give more", method,
                      settings.prune_modes_at, options.iterations.value());

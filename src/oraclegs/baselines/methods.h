@@ -13,11 +13,11 @@ namespace oraclegs {
 
 /// Training options of 3DGS-MCMC [Kheradmand 2024] as its authors have them, on which every row builds. Each option is
 /// set here, so that a new default of this program's changes no published method.
-TrainOptions Published3dgs();
+AutoTrainOptions Published3dgs();
 
 struct BaselineMethod {
   std::string word;           ///< for --set method=WORD: "cor-gs", or "cor-gs-dtu" for the settings of one dataset
-  TrainOptions train;         ///< the trainer's options
+  AutoTrainOptions train;     ///< the trainer's options
   BaselineSettings own = {};  ///< what the method has beside them
 };
 
@@ -32,7 +32,7 @@ const BaselineMethod& BaselineFor(const std::string& method, const std::string& 
 
 /// Throws UsageError where the settings of a method contradict each other or the options of its training, so that none
 /// is ignored silently. method: its name, for the message.
-void CheckBaseline(std::string_view method, const BaselineSettings& settings, const TrainOptions& options);
+void CheckBaseline(std::string_view method, const BaselineSettings& settings, const AutoTrainOptions& options);
 
 /// Makes the method's densifier and parts, and weighs the photos where it does so. Throws as their constructors.
 void AddBaseline(BaselineSetup* setup);

@@ -11,7 +11,7 @@
 namespace oraclegs {
 
 PseudoDepths::PseudoDepths(const BaselineSetup& setup)
-    : options_(setup.options.Settled()),
+    : options_(setup.options),
       settings_(setup.baseline),
       seed_(setup.seed),
       background_(setup.background),

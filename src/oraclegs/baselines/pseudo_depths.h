@@ -31,7 +31,7 @@ class PseudoDepths final : public MethodPart {
  private:
   bool IsDue(const Iteration& iteration) const;
 
-  TrainOptions options_;  // settled
+  TrainOptions options_;
   BaselineSettings settings_;
   uint64_t seed_;
   std::array<float, 3> background_;

@@ -2,6 +2,7 @@
 // Settings of published methods for few photos, as their authors have them; this program's own training does without
 // (docs/baselines.md). baselines/methods.h has those of each method.
 
+#include <optional>
 #include <string>
 
 #include "oraclegs/core/options.h"
@@ -11,15 +12,16 @@ namespace oraclegs {
 struct BaselineSettings {
   // Adaptive density control [Kerbl 2023]; without it the training is that of 3DGS-MCMC.
   bool adaptive = false;
-  double densify_gradient = 0.0002;    ///< mean screen gradient from which a Gaussian is cloned or split
-  double densify_opacity = 0;          ///< only Gaussians of more than this opacity are cloned or split
-  double prune_opacity = 0.005;        ///< Gaussians of less are removed
-  bool split_lonely = false;           ///< also splits Gaussians larger than the cameras' extent and far from others
-  int opacity_reset = 3000;            ///< iterations between resets of all opacities; 0 = never
-  Auto<int> opacity_reset_first = {};  ///< auto = opacity_reset, and before a white background also --refine-start
-  double opacity_reset_to = 0.01;      ///< the largest opacity that a reset leaves
-  bool keep_large = false;             ///< keeps Gaussians larger than a tenth of the cameras' extent
-  int unpool_until = 0;                ///< before this iteration lonely Gaussians grow new ones (FSGS); 0 = never
+  double densify_gradient = 0.0002;  ///< mean screen gradient from which a Gaussian is cloned or split
+  double densify_opacity = 0;        ///< only Gaussians of more than this opacity are cloned or split
+  double prune_opacity = 0.005;      ///< Gaussians of less are removed
+  bool split_lonely = false;         ///< also splits Gaussians larger than the cameras' extent and far from others
+  int opacity_reset = 3000;          ///< iterations between resets of all opacities; 0 = never
+  std::optional<int> opacity_reset_first =
+      {};                          ///< nullopt = opacity_reset, and before a white background also --refine-start
+  double opacity_reset_to = 0.01;  ///< the largest opacity that a reset leaves
+  bool keep_large = false;         ///< keeps Gaussians larger than a tenth of the cameras' extent
+  int unpool_until = 0;            ///< before this iteration lonely Gaussians grow new ones (FSGS); 0 = never
 
   // Two models beside each other [Zhang 2024].
   bool two_fields = false;

@@ -78,7 +78,7 @@ struct TwoFields::State {
   };
 
   explicit State(const BaselineSetup& setup)
-      : options(setup.options.Settled()),
+      : options(setup.options),
         seed(setup.seed),
         view_seed(setup.view_seed.value_or(seed)),
         background(setup.background),
@@ -142,7 +142,7 @@ void TwoFields::Attach(const TrainDevice& device) {
 void TwoFields::Remove(const Iteration& iteration, TrainedModel* model) {
   State& s = *state_;
   const int64_t done = iteration.number - 1;
-  if (done <= s.options.refine_start.value() || done % kCoPruneInterval != 0) return;
+  if (done <= s.options.refine_start || done % kCoPruneInterval != 0) return;
   const double distance = s.settings.co_prune_distance;
   const Gaussians mine = model->gaussians.To(kCpu), its = second().To(kCpu);
   const std::vector<int64_t> first = RowsOf(CoPruneKeep(mine, its, distance));

@@ -78,7 +78,7 @@ json Stamp(const fs::path& file) {
           {"changed", std::chrono::duration_cast<std::chrono::nanoseconds>(time).count()}};
 }
 
-json ManifestOf(const std::vector<fs::path>& inputs, const CaptureOptions& options) {
+json ManifestOf(const std::vector<fs::path>& inputs, int frames) {
   json files = json::array();
   for (const fs::path& input : inputs) {
     if (KindOf(input) != InputKind::kFolder) {
@@ -87,7 +87,7 @@ json ManifestOf(const std::vector<fs::path>& inputs, const CaptureOptions& optio
     }
     for (const fs::path& photo : FindPhotos(input, Silent())) files.push_back(Stamp(photo));
   }
-  return {{"format", 1}, {"frames", options.frames.ValueOr(kUsualFrames)}, {"files", files}};
+  return {{"format", 1}, {"frames", frames}, {"files", files}};
 }
 
 /// Waits until a file or folder is on the disk.
@@ -134,8 +134,8 @@ bool IsImported(const fs::path& dir, const json& manifest) {
 /// Copies and unpacks into one folder.
 class Importer {
  public:
-  Importer(fs::path dir, const CaptureOptions& options, const Listener& listener)
-      : dir_(std::move(dir)), options_(options), listener_(listener) {}
+  Importer(fs::path dir, int frames, const Listener& listener)
+      : dir_(std::move(dir)), frames_(frames), listener_(listener) {}
 
   void Add(const fs::path& input, bool alone) {
     ThrowIfInterrupted();
@@ -145,8 +145,7 @@ class Importer {
       case InputKind::kZip:
         return UnpackPhotos(input, alone ? dir_ : dir_ / FreeName(input.stem()), listener_);
       case InputKind::kVideo:
-        return ExtractFrames(input, options_.frames.ValueOr(kUsualFrames), alone ? dir_ : dir_ / FreeName(input.stem()),
-                             listener_);
+        return ExtractFrames(input, frames_, alone ? dir_ : dir_ / FreeName(input.stem()), listener_);
       case InputKind::kFolder: {
         const fs::path folder = FreeName(fs::weakly_canonical(input).filename());
         if (std::error_code error; fs::is_directory(input / "masks", error)) {
@@ -197,7 +196,7 @@ class Importer {
   }
 
   fs::path dir_;
-  const CaptureOptions& options_;
+  int frames_;
   const Listener& listener_;
   FreeNames names_;
 };
@@ -237,9 +236,8 @@ void CheckInputs(const std::vector<fs::path>& inputs) {
   }
 }
 
-void ImportPhotos(const std::vector<fs::path>& inputs, const CaptureOptions& options, const fs::path& dir,
-                  const Listener& listener) {
-  json manifest = ManifestOf(inputs, options);
+void ImportPhotos(const std::vector<fs::path>& inputs, int frames, const fs::path& dir, const Listener& listener) {
+  json manifest = ManifestOf(inputs, frames);
   if (IsImported(dir, manifest)) return;
   listener(StageStarted{"import"});
   const auto start = std::chrono::steady_clock::now();
@@ -248,7 +246,7 @@ void ImportPhotos(const std::vector<fs::path>& inputs, const CaptureOptions& opt
   fs::remove_all(half, error);
   fs::create_directories(half / kImages, error);
   if (error) throw RunError("{}: cannot be made: {}", half.string(), SystemReason(error));
-  Importer importer(half / kImages, options, listener);
+  Importer importer(half / kImages, frames, listener);
   try {
     for (const fs::path& input : inputs) importer.Add(input, inputs.size() == 1);
     manifest["photos"] = FlushedSizes(half / kImages);

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <vector>
 
-#include "oraclegs/capture/options.h"
 #include "oraclegs/core/progress.h"
 
 namespace oraclegs {
@@ -18,9 +17,9 @@ void CheckInputs(const std::vector<std::filesystem::path>& inputs);
 
 /// Copies, unpacks and extracts the photos of all inputs to `dir`, each file once, those of a folder, archive or video
 /// in a folder of its name. `dir` appears when it is whole, and is kept when it was made from the same inputs (by path,
-/// size and time of change) and options. Its parent must be there. Reports the stage "import". Throws as CheckInputs,
-/// also for more than kMaxPhotos, and RunError when the disk is full.
-void ImportPhotos(const std::vector<std::filesystem::path>& inputs, const CaptureOptions& options,
-                  const std::filesystem::path& dir, const Listener& listener);
+/// size and time of change) and `frames`, the photos of a video. Its parent must be there. Reports the stage "import".
+/// Throws as CheckInputs, also for more than kMaxPhotos, and RunError when the disk is full.
+void ImportPhotos(const std::vector<std::filesystem::path>& inputs, int frames, const std::filesystem::path& dir,
+                  const Listener& listener);
 
 }  // namespace oraclegs

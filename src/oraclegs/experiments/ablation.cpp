@@ -179,7 +179,7 @@ class Ablator {
     }
     oraclegs::Run run = StartRun(request, listener);
     if (!scene_is_good_) {
-      const Camera camera = WorkingCamera(run.scene.views[static_cast<size_t>(run.split.train[0])], run.options.image);
+      const Camera camera = WorkingCamera(run.scene.views[static_cast<size_t>(run.split.train[0])], run.plan.image);
       ablation_.width = camera.width, ablation_.height = camera.height;
       ablation_.train_views = run.split.train.size(), ablation_.test_views = run.split.test.size();
       ablation_.published_views = ViewsOfPublishedSteps(request_.run.scene.filename().string(), request_.run.options);

@@ -153,10 +153,10 @@ std::vector<PublishedStep> PublishedSteps(int views) {
 
 int ViewsOfPublishedSteps(const std::string& scene, const RunOptions& options) {
   if (std::find(std::begin(kScenes), std::end(kScenes), scene) == std::end(kScenes)) return 0;
-  const bool is_split_alike = options.split.test_every.ValueOr(0) == 8 && options.split.train_views.empty() &&
+  const bool is_split_alike = options.split.test_every == 8 && options.split.train_views.empty() &&
                               options.split.test_views.empty() && options.split.view_steps == ViewSteps::kTruncate;
   const bool is_sized_alike =
-      options.image.downscale.ValueOr(1) == 4 && options.image.smaller_copies == SmallerCopies::kRequired;
+      options.image.downscale == 4 && options.image.smaller_copies == SmallerCopies::kRequired;
   const int views = options.split.views;
   return is_split_alike && is_sized_alike && !PublishedSteps(views).empty() ? views : 0;
 }

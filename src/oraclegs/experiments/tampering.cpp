@@ -164,7 +164,7 @@ class TamperingSuite {
     }
     oraclegs::Run run = StartRun(request, listener);
     if (!has_started_) {
-      const Camera camera = WorkingCamera(run.scene.views[static_cast<size_t>(run.split.train[0])], run.options.image);
+      const Camera camera = WorkingCamera(run.scene.views[static_cast<size_t>(run.split.train[0])], run.plan.image);
       report_.width = camera.width, report_.height = camera.height;
       report_.train_views = run.split.train.size(), report_.test_views = run.split.test.size();
       has_started_ = true;

@@ -88,6 +88,11 @@ struct EnumWords<VggtPrecision> {
                                                        {VggtPrecision::kAutocast, "autocast"}};
 };
 
+/// bfloat16 on a GPU, whose matrix units are made for it, else float32.
+inline VggtPrecision UsualVggtPrecision(bool on_gpu) {
+  return on_gpu ? VggtPrecision::kBFloat16 : VggtPrecision::kFloat32;
+}
+
 /// Layer of VGGT's global attention, counted from 0, and the weight of its map.
 struct LayerWeight {
   int64_t layer = 0;
@@ -97,7 +102,7 @@ struct LayerWeight {
 struct AttentionOptions {
   AttentionMode mode = AttentionMode::kReference;
   std::vector<LayerWeight> layers = {};  ///< weights >= 0, not all 0; empty = the file's own, else 0 and 22
-  Auto<VggtPrecision> precision = {};    ///< automatic = bfloat16 on a GPU, else float32
+  VggtPrecision precision = VggtPrecision::kFloat32;
 };
 
 /// VGGT's aggregator: how much the other images of a scene attend to each pixel of an image.

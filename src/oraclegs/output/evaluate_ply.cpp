@@ -46,8 +46,9 @@ nlohmann::json EvaluatePly(const EvaluateRequest& request, const PosedScene& pos
   const Model model = LoadModel(request.ply, options, plan.device, posed.frame, listener);
   const fs::path renders = PrepareFolder(request.out, posed.scene, options);
   const StageClock clock("evaluate", listener);
-  const nlohmann::json test = ScoreModel(model, LoadViews(posed.scene, posed.split.test, options.image, listener),
-                                         renders, plan.lpips, listener);
+  const nlohmann::json test =
+      ScoreModel(model, LoadViews(posed.scene, posed.split.test, options.image.Settled(), listener), renders,
+                 plan.lpips, listener);
   nlohmann::json metrics = {{"program", "oraclegs"},
                             {"version", request.version},
                             {"test", test},

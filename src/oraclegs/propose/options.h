@@ -34,7 +34,7 @@ struct ProposeOptions {
   ProposalSize proposal_size = ProposalSize::kView;
   int proxy_models = 2;
   double proxy_share = 0.2;
-  Auto<double> proxy_finish;  ///< see ProxyFinish
+  Auto<double> proxy_finish;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
@@ -71,10 +71,6 @@ struct ProposeOptions {
   }
 
   ProposerChoice Choice() const { return proposers.ValueOr(ProposerChoice::kSplat); }
-
-  /// Fraction of the proxy models' training with all views. Few views show each part of an object, so its proxy models
-  /// learn longer.
-  double ProxyFinish(bool is_object) const { return proxy_finish.ValueOr(is_object ? 0.6 : 0.4); }
 
   /// Whether proxy models are the only proposer.
   bool ByProxiesAlone() const {

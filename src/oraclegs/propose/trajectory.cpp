@@ -168,16 +168,14 @@ void Report(Trajectory trajectory, const Sifted& sifted, size_t chosen, const Li
 
 }  // namespace
 
-std::vector<Target> ChooseTargets(const TrajectoryRequest& request, const TrajectoryOptions& options,
-                                  const Listener& listener) {
-  CheckOptions(options);
+std::vector<Target> ChooseTargets(const TrajectoryRequest& request, const TargetPlan& plan, const Listener& listener) {
   if (request.train.empty()) throw std::invalid_argument("ChooseTargets: needs training cameras");
-  const int count = options.proposals.ValueOr(kUsualProposals);
+  const int count = plan.count;
   if (count == 0) return {};
   const TargetCheck check(request);
-  Trajectory trajectory = options.trajectory.ValueOr(Trajectory::kDataset);
+  Trajectory trajectory = plan.trajectory;
   Sifted sifted = Sift(CandidatesOf(trajectory, request, count), check);
-  if (options.trajectory.is_auto() && sifted.good.size() < kMinSpareForDataset) {
+  if (plan.or_coverage && sifted.good.size() < kMinSpareForDataset) {
     trajectory = Trajectory::kCoverage;
     sifted = Sift(CandidatesOf(trajectory, request, count), check);
   }

@@ -24,9 +24,6 @@ struct EnumWords<Trajectory> {
                                                     {Trajectory::kCoverage, "coverage"}};
 };
 
-/// Numbers of poses for --proposals auto: images are slow to make, renders of proxy models are not.
-inline constexpr int kUsualProposals = 32, kProxyProposals = 96;
-
 struct TrajectoryOptions {
   Auto<Trajectory> trajectory;
   Auto<int> proposals;
@@ -45,14 +42,19 @@ struct TrajectoryOptions {
   }
 };
 
-/// At most options.proposals targets (kUsualProposals unless given), none of them a test pose, a training pose, a
-/// duplicate, inside geometry or a pose that sees next to nothing (target_check.h). orbit, spiral and interpolate
-/// return fewer after rejections; dataset picks evenly from the usable ones, coverage the best of up to 4096
-/// candidates. Names: for dataset the view's without extension, '/' as '_'; else "orbit_0000". `listener` gets one Note
-/// with the number of targets, and one Warning when more than half were rejected (with counts and reasons) or nothing
-/// is left (with advice). Deterministic. Throws UsageError for an option out of range, std::invalid_argument without
-/// training cameras.
-std::vector<Target> ChooseTargets(const TrajectoryRequest& request, const TrajectoryOptions& options,
-                                  const Listener& listener);
+/// Poses to choose.
+struct TargetPlan {
+  int count = 0;
+  Trajectory trajectory = Trajectory::kCoverage;
+  bool or_coverage = false;  ///< coverage where fewer than kMinSpareForDataset poses of `trajectory` can be used
+};
+
+/// At most plan.count targets, none of them a test pose, a training pose, a duplicate, inside geometry or a pose that
+/// sees next to nothing (target_check.h). orbit, spiral and interpolate return fewer after rejections; dataset picks
+/// evenly from the usable ones, coverage the best of up to 4096 candidates. Names: for dataset the view's without
+/// extension, '/' as '_'; else "orbit_0000". `listener` gets one Note with the number of targets, and one Warning when
+/// more than half were rejected (with counts and reasons) or nothing is left (with advice). Deterministic. Throws
+/// std::invalid_argument without training cameras.
+std::vector<Target> ChooseTargets(const TrajectoryRequest& request, const TargetPlan& plan, const Listener& listener);
 
 }  // namespace oraclegs

@@ -46,9 +46,17 @@ RunOptions OptionsOfProxies(const Run& run) {
   return options;
 }
 
+void Scale(double share, int* iterations) { *iterations = std::max(1, static_cast<int>(share * *iterations)); }
+void Scale(double share, Auto<int>* iterations) {
+  if (iterations->is_auto()) return;
+  int scaled = iterations->value();
+  Scale(share, &scaled);
+  *iterations = scaled;
+}
+
 /// Options of the training that follows with all views, of Gaussians that have found their places and colors.
 TrainOptions FinishOptions(const RunOptions& options, bool is_object, TrainOptions proxy) {
-  proxy.iterations = static_cast<int>(options.propose.ProxyFinish(is_object) * options.train.iterations.value());
+  proxy.iterations = static_cast<int>(SettleProxyFinish(options.propose, is_object) * options.train.iterations.value());
   proxy.sh_degree_interval = 1;
   proxy.refine_start = 0;
   return proxy;
@@ -72,10 +80,10 @@ class ProxyTrainer {
         geometry_(run->results->geometry),
         views_(MakeTrainViews(training_, geometry_, run->options.train.depth_loss)),
         asked_(OptionsOfProxies(*run)),
-        options_(ProxyOptions(asked_, SettleTrainOptions(asked_.train, training_, geometry_, Silent()))),
+        options_(ProxyOptions(asked_, SettleTraining(asked_.train, EvidenceOf(training_, geometry_), Silent()))),
         finish_(FinishOptions(asked_, !training_.silhouettes.empty(), options_)) {}
 
-  int64_t iterations() const { return options_.iterations.value() + finish_.iterations.value(); }
+  int64_t iterations() const { return options_.iterations + finish_.iterations; }
 
   /// Trains model `number` and writes its files; false, with a warning, where too little is left of the views.
   bool Train(int number, const std::vector<int>& held_out, const std::vector<fs::path>& files,
@@ -91,17 +99,17 @@ class ProxyTrainer {
       return false;
     }
     const StartOptions& start = run_.options.start;
-    const PointCloud cloud = DenseStart(start, shown, rest, static_cast<size_t>(options_.max_gaussians.value()));
-    const Gaussians gaussians = InitializeGaussians(cloud, InitializeOptionsOf(start, kDenseScale));
+    const PointCloud cloud = DenseStart(start, shown, rest, static_cast<size_t>(options_.max_gaussians));
+    const Gaussians gaussians = InitializeGaussians(cloud, {SettleStartScale(start, true), start.init_opacity});
     Trainer trainer = TrainerOf(number, options_, kept, gaussians);
     trainer.Run({}, listener);
     WriteGaussianPly(files[0], trainer.gaussians(), options_.sh_degree);
-    if (finish_.iterations.value() == 0) {
+    if (finish_.iterations == 0) {
       WriteGaussianPly(files[1], trainer.gaussians(), options_.sh_degree);
       return true;
     }
     Trainer finisher = TrainerOf(number, finish_, views_, trainer.gaussians());
-    finisher.Run({}, Offset(listener, options_.iterations.value()));
+    finisher.Run({}, Offset(listener, options_.iterations));
     WriteGaussianPly(files[1], finisher.gaussians(), finish_.sh_degree);
     return true;
   }
@@ -154,9 +162,10 @@ std::vector<std::string> FilesOf(int k) {
 void AddProxyKey(Run* run, Fingerprint* key) {
   const RunOptions options = OptionsOfProxies(*run);
   key->Add(options.propose.proxy_models);
-  for (const bool is_object : {false, true}) key->Add(options.propose.ProxyFinish(is_object));  // the images say which
-  key->Add(options.train.iterations.value());  // whose share the finish is
-  key->Add(options.train.horizon);             // which the rates follow
+  for (const bool is_object : {false, true})
+    key->Add(SettleProxyFinish(options.propose, is_object));  // the images say which
+  key->Add(options.train.iterations.value());                 // whose share the finish is
+  key->Add(options.train.horizon);                            // which the rates follow
   key->Add(OptionsToJson(options.start).dump()).Add(OptionsToJson(ProxyOptions(options, options.train)).dump());
   key->Add(OptionsToJson(options.image).dump());
 }
@@ -216,28 +225,27 @@ double SecondsOfProxies(const EstimateInput& input) {
   if (!ProposesViews(input.options) || !propose.Uses(ProposerChoice::kSplat)) return 0;
   const bool is_object = input.covered < 1;
   const double iterations =
-      (propose.proxy_share + propose.ProxyFinish(is_object)) * input.options.train.iterations.value();
+      (propose.proxy_share + SettleProxyFinish(propose, is_object)) * input.options.train.iterations.value();
   return ProxyCount(propose, input.scene.views) * iterations * SecondsOfIteration(input);
 }
 
 }  // namespace
 
-TrainOptions ProxyOptions(const RunOptions& options, TrainOptions train) {
+template <class Train>
+Train ProxyOptions(const RunOptions& options, Train train) {
   const double share = options.propose.proxy_share;
-  const auto scaled = [&](int iterations) { return std::max(1, static_cast<int>(share * iterations)); };
-  train.iterations = scaled(train.iterations.value());
+  Scale(share, &train.iterations), Scale(share, &train.sh_degree_interval), Scale(share, &train.refine_start);
   train.horizon = 0;
-  for (Auto<int>* iterations : {&train.sh_degree_interval, &train.refine_start}) {
-    if (!iterations->is_auto()) *iterations = scaled(iterations->value());
-  }
   // Nothing that concerns proposals reaches a proxy model: other values of these ask for no new ones.
-  const TrainOptions unused;
+  const Train unused;
   train.schedule = ScheduleKind::kNone;
   train.synthetic_floor = unused.synthetic_floor, train.synthetic_peak = unused.synthetic_peak;
   train.proposal_ssim = unused.proposal_ssim, train.proposal_lpips = unused.proposal_lpips;
   train.confidence_power = unused.confidence_power;
   return train;
 }
+template TrainOptions ProxyOptions(const RunOptions& options, TrainOptions train);
+template AutoTrainOptions ProxyOptions(const RunOptions& options, AutoTrainOptions train);
 
 int ProxyCount(const ProposeOptions& options, int views) {
   const int enough = std::min(kViewsOfProxy, views - 1);

@@ -5,8 +5,10 @@
 
 namespace oraclegs {
 
-/// How proxy models are trained: the run's training options at a share of its iterations.
-TrainOptions ProxyOptions(const RunOptions& options, TrainOptions train);
+/// How proxy models are trained: the run's training options at a share of its iterations. Train is
+/// TrainOptions, or AutoTrainOptions, of which what is automatic stays so.
+template <class Train>
+Train ProxyOptions(const RunOptions& options, Train train);
 
 /// Training views that a proxy model has at first, where there are more.
 inline constexpr int kViewsOfProxy = 3;

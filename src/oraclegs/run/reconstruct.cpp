@@ -13,7 +13,7 @@ namespace {
 void BringUpToDate(const std::vector<const char*>& stages, Run* run) {
   Guarded(run->observer.get(), [&] {
     if (!IsUpToDate(run, "train")) {
-      for (const int view : run->split.test) LoadViews(run->scene, {view}, run->options.image, Silent());
+      for (const int view : run->split.test) LoadViews(run->scene, {view}, run->plan.image, Silent());
     }
     for (const char* stage : stages) RunStage(run, stage);
   });

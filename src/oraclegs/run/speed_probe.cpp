@@ -29,7 +29,7 @@ Gaussians Cloud() {
 }
 
 std::unique_ptr<Trainer> MakeProbe() {
-  TrainOptions options = TrainOptions().Settled();
+  TrainOptions options;
   options.max_gaussians = kGaussians;
   options.sh_degree_interval = 1;
   Camera camera;

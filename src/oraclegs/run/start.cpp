@@ -62,7 +62,7 @@ void RequireRenderable(const Scene& scene, const ImageOptions& options) {
 /// Checks for the dataset's own smaller images, on which published scores are. Throws InputError where they are
 /// required.
 void CheckSmallerCopies(const Scene& scene, const ImageOptions& options, const Listener& listener) {
-  const int downscale = options.downscale.ValueOr(1);
+  const int downscale = options.downscale;
   const bool required = options.smaller_copies == SmallerCopies::kRequired;
   if (downscale == 1 || (scene.format != SceneFormat::kColmap && !required)) return;
   const bool has_smaller = std::any_of(scene.views.begin(), scene.views.end(), [&](const SceneView& view) {
@@ -90,7 +90,7 @@ Scene Read(const fs::path& root, const RunOptions& options, const Listener& list
   read.images = options.input.images;
   read.allow_outside = options.input.allow_outside;
   Scene scene = ReadScene(root, read, listener);
-  CheckSmallerCopies(scene, options.image, listener);
+  CheckSmallerCopies(scene, options.image.Settled(), listener);
   ReportSplitLists(scene, options.split, listener);
   return scene;
 }
@@ -141,7 +141,7 @@ RunOptions SettleSize(const RunOptions& asked, const Scene& scene, Device device
   const SceneSize size = SizeOf(scene, static_cast<int>(SplitViews(scene, asked.split).train.size()));
   RunOptions settled = WithSize(WithSavedSize(asked, saved), size, device.is_cuda());
   CheckRunOptions(settled);
-  RequireRenderable(scene, settled.image);
+  RequireRenderable(scene, settled.image.Settled());
   if (const std::string text = DescribeSize(asked, settled, size); !text.empty()) listener(Note{text});
   return settled;
 }
@@ -281,11 +281,12 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
   Workspace workspace = Workspace::Claim(request.out, request.scene, options, request.overwrite,
                                          {settled ? SizeToJson(*settled) : saved_size, request.inputs, true});
   if (imports) {
-    ImportPhotos(request.inputs, WithSavedSize(options, saved_size).capture, workspace.photos(), listener);
+    ImportPhotos(request.inputs, SettleFrames(options, saved_size), workspace.photos(), listener);
     read();
     settled = settle();
     workspace.SaveSize(SizeToJson(*settled));
   }
+  plan.image = settled->image.Settled();
   Run run{*settled, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
   run.workspace.DropDamagedRecords(listener);
   run.stages = &Stages(), run.proposer_rows = &ProposerRows();
@@ -319,6 +320,7 @@ Run OpenRun(const RunRequest& asked, const Listener& listener) {
   Plan plan = MakePlanToEvaluate(request.options);
   if (!scene.HasPoses()) plan.poses = PoseNetworkOf(request.options, workspace);
   const RunOptions settled = SettleSize(request.options, scene, plan.device, saved.size, Silent());
+  plan.image = settled.image.Settled();
   Run run{settled, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
   run.stages = &Stages(), run.proposer_rows = &ProposerRows();
   run.start_iterations = saved.start_iterations;

@@ -57,7 +57,7 @@ PixelSize SizeOfSmallerCopy(const SceneView& view, int downscale) {
 Source ReadSource(const SceneView& view, const ImageOptions& options) {
   const fs::path file = ImageFile(view, options);
   const bool is_full = file == view.image_path;
-  const PixelSize copy = SizeOfSmallerCopy(view, options.downscale.ValueOr(1));
+  const PixelSize copy = SizeOfSmallerCopy(view, options.downscale);
   Intrinsics intrinsics = is_full ? view.intrinsics : Resized(view.intrinsics, copy.width, copy.height);
   if (const auto orientation = FittingOrientation(view, file, intrinsics.width, intrinsics.height)) {
     return {ReadImage(file, *orientation), std::move(intrinsics), *orientation};
@@ -244,10 +244,10 @@ std::optional<Orientation> FittingOrientation(const SceneView& view, const fs::p
 }
 
 PixelSize WorkingSize(PixelSize full, const ImageOptions& options) {
-  const int downscale = options.downscale.ValueOr(1);
+  const int downscale = options.downscale;
   const auto divided = [downscale](int side) { return std::max(1, (2 * side + downscale) / (2 * downscale)); };
   const PixelSize size{divided(full.width), divided(full.height)};
-  const int longer = std::max(size.width, size.height), limit = options.max_size.ValueOr(0);
+  const int longer = std::max(size.width, size.height), limit = options.max_size;
   if (limit == 0 || longer <= limit) return size;
   const auto reduced = [&](int side) {
     return std::max(1, static_cast<int>((int64_t{2} * side * limit + longer) / (2 * longer)));
@@ -256,7 +256,7 @@ PixelSize WorkingSize(PixelSize full, const ImageOptions& options) {
 }
 
 fs::path ImageFile(const SceneView& view, const ImageOptions& options) {
-  const int downscale = options.downscale.ValueOr(1);
+  const int downscale = options.downscale;
   if (downscale == 1) return view.image_path;
   const fs::path small = DownscaledFile(view.image_path, downscale);
   const PixelSize size = SizeOfSmallerCopy(view, downscale);

@@ -10,7 +10,6 @@
 
 #include "oraclegs/camera/camera.h"
 #include "oraclegs/core/enum_words.h"
-#include "oraclegs/core/options.h"
 #include "oraclegs/core/progress.h"
 #include "oraclegs/image/image.h"
 #include "oraclegs/scene/scene.h"
@@ -48,33 +47,13 @@ struct EnumWords<ResizeFilter> {
   static constexpr EnumWord<ResizeFilter> kWords[] = {{ResizeFilter::kArea, "area"}, {ResizeFilter::kPillow, "pillow"}};
 };
 
+/// Size and looks of loaded images.
 struct ImageOptions {
-  Auto<int> downscale = {};  ///< whole factor; auto = 1
-  Auto<int> max_size = {};   ///< pixels of the longer side; auto and 0 = no limit
+  int downscale = 1;  ///< whole factor
+  int max_size = 0;   ///< pixels of the longer side; 0 = no limit
   SmallerCopies smaller_copies = SmallerCopies::kWhereFound;
   ResizeFilter resize = ResizeFilter::kArea;
   Background background = Background::kBlack;
-
-  template <class Self, class V>
-  static void Visit(Self& self, V&& visit) {
-    visit("max-size", self.max_size,
-          "Pixels of the photos' longer side; larger photos are reduced. auto = by --quality and device: 1000 on a CPU "
-          "and 1600 on a GPU for normal; no limit where --downscale is given, or a scene is looked at without a run; "
-          "0 = full size",
-          Range{0, 1e6});
-    visit("downscale", self.downscale,
-          "Divide the photos' size by this (antialiased; an existing images_N folder is used); auto = see --max-size",
-          Range{1, 64});
-    visit("smaller-copies", self.smaller_copies,
-          "For --downscale N: auto = the dataset's own images_N where it has one, else the photos, resized; required = "
-          "an error where there is none, for scores that compare with published ones",
-          Tier::kSetting);
-    visit("resize", self.resize,
-          "Filter that reduces the photos, training and test photos alike: area = exact averages of areas; pillow = "
-          "Pillow's bicubic filter at 8 bits, with which the scores of papers are made",
-          Tier::kSetting);
-    visit("background", self.background, "Color behind transparent pixels and behind the scene");
-  }
 };
 
 /// A view ready for use: pinhole, at working resolution.

@@ -15,8 +15,8 @@
 #include "oraclegs/propose/options.h"
 #include "oraclegs/propose/trajectory.h"
 #include "oraclegs/scene/frame.h"
-#include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/scene/split.h"
+#include "oraclegs/settings/image_options.h"
 #include "oraclegs/train/options.h"
 #include "oraclegs/validate/options.h"
 
@@ -275,7 +275,7 @@ struct RunOptions {
   QualityOptions quality;
   CaptureOptions capture;  ///< for commands that start a run; not in the groups below
   SplitOptions split;
-  ImageOptions image;
+  AutoImageOptions image;
   StartOptions start;
   StereoOptions stereo;
   DepthOptions depth;
@@ -283,7 +283,7 @@ struct RunOptions {
   ProposeOptions propose;
   SevaOptions seva;
   ValidateOptions validate;
-  TrainOptions train;
+  AutoTrainOptions train;
   MethodOptions method;
   GeneratorLimits generator_limits;
   CheckpointSchedule checkpoints;

@@ -57,6 +57,10 @@ OracleChoice ChooseOracle(const RunOptions& options) {
   return {OracleKind::kVggtAndConsistency, std::move(weights)};
 }
 
+VggtPrecision SettlePrecision(const ValidateOptions& asked, Device device) {
+  return asked.vggt_precision.ValueOr(UsualVggtPrecision(device.is_cuda()));
+}
+
 void ReportOracleChoice(const RunOptions& options, const OracleChoice& choice, const Listener& listener) {
   if (!options.validate.oracle.is_auto()) return;
   if (choice.weights) {

@@ -1,6 +1,6 @@
 #pragma once
-// Plan of a run: everything automatic is settled here, once, from the options and from the files on this machine.
-// (Settings that depend on the images' depth are settled after stage "depth": train_inputs.h.)
+// Plan of a run: everything automatic is settled here, once, from the options and from the files on this machine; its
+// size is in run_size.h, what waits for results of the run in from_results.h.
 
 #include <filesystem>
 #include <optional>
@@ -36,11 +36,15 @@ struct OracleChoice {
 /// Throws InputError as RequireVggtWeights does, UsageError for --set vggt-layers that the network does not have.
 OracleChoice ChooseOracle(const RunOptions& options);
 
+/// --set vggt-precision, where VGGT computes on this device.
+VggtPrecision SettlePrecision(const ValidateOptions& asked, Device device);
+
 /// Notes the choice for --oracle auto.
 void ReportOracleChoice(const RunOptions& options, const OracleChoice& choice, const Listener& listener);
 
 struct Plan {
   DeviceSupport support;
+  ImageOptions image = {};                   ///< size of the photos; set once the size of the run is settled
   Device device;                             ///< device of training, rendering and networks
   bool needs_depth = false;                  ///< stage "depth" runs
   bool proposes = false;                     ///< the run makes proposals itself

@@ -64,12 +64,14 @@ RunOptions WithSize(RunOptions options, const SceneSize& scene, bool on_gpu) {
   const Level level = LevelOf(options.quality.quality, on_gpu);
   if (options.image.max_size.is_auto()) options.image.max_size = options.image.downscale.is_auto() ? level.max_size : 0;
   if (options.train.iterations.is_auto()) {
-    options.train.iterations = IterationsFor(scene.views, PixelsOfView(scene, options.image), level.iterations);
+    options.train.iterations =
+        IterationsFor(scene.views, PixelsOfView(scene, options.image.Settled()), level.iterations);
     // Rates and weights follow their schedules over the horizon.
     if (options.train.horizon > 0) options.train.iterations = options.train.horizon;
   }
   if (options.train.max_gaussians.is_auto()) {
-    options.train.max_gaussians = GaussiansFor(scene.views * PixelsOfView(scene, options.image), level.max_gaussians);
+    options.train.max_gaussians =
+        GaussiansFor(scene.views * PixelsOfView(scene, options.image.Settled()), level.max_gaussians);
   }
   if (options.propose.proposers.is_auto()) {
     options.propose.proposers =
@@ -79,8 +81,8 @@ RunOptions WithSize(RunOptions options, const SceneSize& scene, bool on_gpu) {
 }
 
 RunOptions WithUsualSizes(RunOptions options) {
-  const TrainOptions train = options.train.Settled();
-  options.train.iterations = train.iterations, options.train.max_gaussians = train.max_gaussians;
+  options.train.iterations = options.train.iterations.ValueOr(kUsualIterations);
+  options.train.max_gaussians = options.train.max_gaussians.ValueOr(kUsualMaxGaussians);
   if (options.image.max_size.is_auto()) options.image.max_size = 0;
   options.propose.proposers = options.propose.Choice();
   if (options.split.test_every.is_auto() && options.split.test_views.empty()) options.split.eval = true;
@@ -112,9 +114,13 @@ RunOptions WithSavedSize(RunOptions options, const nlohmann::json& size) {
   return options;
 }
 
+int SettleFrames(const RunOptions& options, const nlohmann::json& saved_size) {
+  return WithSavedSize(options, saved_size).capture.frames.ValueOr(kUsualFrames);
+}
+
 std::string DescribeSize(const RunOptions& asked, const RunOptions& settled, const SceneSize& scene) {
   std::vector<std::string> parts;
-  const PixelSize size = WorkingSize(scene.largest, settled.image);
+  const PixelSize size = WorkingSize(scene.largest, settled.image.Settled());
   if (size != scene.largest && asked.image.max_size.is_auto() && asked.image.downscale.is_auto()) {
     parts.push_back(fmt::format("photos of {}x{} are used at {}x{} (--max-size {})", scene.largest.width,
                                 scene.largest.height, size.width, size.height, settled.image.max_size.value()));

@@ -31,6 +31,9 @@ nlohmann::json SizeToJson(const RunOptions& settled);
 /// Replaces automatic options with the values of SizeToJson's object; options that it lacks stay automatic.
 RunOptions WithSavedSize(RunOptions options, const nlohmann::json& size);
 
+/// --frames of a run that is continued with this size, or starts where it is null.
+int SettleFrames(const RunOptions& options, const nlohmann::json& saved_size);
+
 /// One line for the user: "4000x3000 photos are used at 1000x750; 7000 iterations, at most 100000 Gaussians (--quality
 /// normal)". "" where the user has set everything.
 std::string DescribeSize(const RunOptions& asked, const RunOptions& settled, const SceneSize& scene);

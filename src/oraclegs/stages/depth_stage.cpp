@@ -35,7 +35,7 @@ bool IsWhole(const Run& run) {
 /// found is right in the same measure, if not in the same bits. The stage's record says which one it was.
 void AddDepthKey(Run* run, Fingerprint* key) {
   const DepthSource& source = run->plan.depth;
-  key->Add(ViewsFingerprint(run->scene, run->split.train, run->options.image, &run->files));
+  key->Add(ViewsFingerprint(run->scene, run->split.train, run->plan.image, &run->files));
   key->Add(OptionsToJson(run->options.image).dump()).Add(OptionsToJson(run->options.stereo).dump());
   if (source.HasNetwork()) {
     key->Add(kMonocularVersion).Add(Word(source.prior)).Add(run->files.Of(source.weights));

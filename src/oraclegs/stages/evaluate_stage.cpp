@@ -25,7 +25,7 @@ const std::vector<int>& ScoredViews(const Split& split) { return split.test.empt
 
 void AddEvaluateKey(Run* run, Fingerprint* key) {
   key->Add(run->files.OfAll(run->plan.lpips)).Add(ShapingOptionsToJson(run->options).dump());
-  key->Add(ViewsFingerprint(run->scene, ScoredViews(run->split), run->options.image, &run->files));
+  key->Add(ViewsFingerprint(run->scene, ScoredViews(run->split), run->plan.image, &run->files));
   std::error_code ignored;
   if (fs::exists(run->workspace.point_cloud(), ignored)) key->AddFile(run->workspace.point_cloud());
 }
@@ -44,8 +44,7 @@ std::optional<nlohmann::json> MakeEvaluate(Run* run, const std::string&) {
   const Stopwatch watch;
   const Model model = LoadModel(workspace.point_cloud(), run->options, run->plan.device, run->frame, run->listener);
   const bool held_out = !run->split.test.empty();
-  const std::vector<LoadedView> views =
-      LoadViews(run->scene, ScoredViews(run->split), run->options.image, run->listener);
+  const std::vector<LoadedView> views = LoadViews(run->scene, ScoredViews(run->split), run->plan.image, run->listener);
   if (!held_out)
     run->listener(Note{"all photos train: no view is left to score the result on (--eval holds some out)"});
   const fs::path renders = workspace.renders(held_out ? "test" : "train");

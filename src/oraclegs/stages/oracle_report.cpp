@@ -24,7 +24,7 @@ struct MeasuredProposals {
   void Add(const Run& run, int v) {
     const std::string name = FileName(run.scene.views[static_cast<size_t>(v)].name) + ".png";
     const auto image = run.workspace.proposals() / name, map = run.workspace.confidence() / name;
-    const LoadedView truth = LoadViews(run.scene, {v}, run.options.image, run.listener).front();
+    const LoadedView truth = LoadViews(run.scene, {v}, run.plan.image, run.listener).front();
     const ImageF proposal = ToFloat(ReadImage(image)), trust = ToFloat(ReadImage(map));
     if (proposal.data.size() != truth.rgb.data.size() || trust.data.size() != truth.rgb.data.size()) {
       throw InputError("{}: is not of its view's size; delete it and run `oraclegs validate` again", image.string());

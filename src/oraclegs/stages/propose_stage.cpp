@@ -7,6 +7,7 @@
 #include "oraclegs/image/codecs.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/propose/trajectory.h"
+#include "oraclegs/settings/from_results.h"
 #include "oraclegs/stages/proposer_row.h"
 #include "oraclegs/stages/stage_seconds.h"
 #include "oraclegs/workspace/non_commercial.h"
@@ -56,7 +57,7 @@ void AddProposeKey(Run* run, Fingerprint* key) {
     if (row.own != nullptr && row.wanted(*run)) row.own(*run, key);
   }
   key->Add(OptionsToJson(options.image).dump());
-  key->Add(ViewsFingerprint(run->scene, run->split.train, options.image, &run->files));
+  key->Add(ViewsFingerprint(run->scene, run->split.train, run->plan.image, &run->files));
   AddPoses(*run, key);
   if (options.propose.proposal_folder.empty()) return;
   for (const fs::path& file : FolderFiles(options.propose.proposal_folder)) key->Add(file.string()).AddFile(file);
@@ -64,7 +65,7 @@ void AddProposeKey(Run* run, Fingerprint* key) {
 
 std::vector<Target> TargetsOf(const Run& run, const std::vector<int>& views) {
   std::vector<Target> targets;
-  const std::vector<Camera> cameras = WorkingCameras(run.scene, views, run.options.image);
+  const std::vector<Camera> cameras = WorkingCameras(run.scene, views, run.plan.image);
   for (size_t i = 0; i < views.size(); ++i) {
     targets.push_back({run.scene.views[static_cast<size_t>(views[i])].name, cameras[i]});
   }
@@ -74,12 +75,11 @@ std::vector<Target> TargetsOf(const Run& run, const std::vector<int>& views) {
 FolderProposals ReadFolder(const Run& run, const LoadedView& view) {
   std::vector<int> no_test = SpareViews(run);
   no_test.insert(no_test.end(), run.split.train.begin(), run.split.train.end());
-  return ReadProposalFolder(
-      run.options.propose.proposal_folder,
-      {WorkingCameras(run.scene, run.split.train, run.options.image), TargetsOf(run, run.split.test),
-       TargetsOf(run, no_test), view.camera.width, view.camera.height, BackgroundColor(run.options.image.background),
-       RunFromScene(run.frame)},
-      run.listener);
+  return ReadProposalFolder(run.options.propose.proposal_folder,
+                            {WorkingCameras(run.scene, run.split.train, run.plan.image), TargetsOf(run, run.split.test),
+                             TargetsOf(run, no_test), view.camera.width, view.camera.height,
+                             BackgroundColor(run.options.image.background), RunFromScene(run.frame)},
+                            run.listener);
 }
 
 /// Gives the targets the size at which the run's generator works.
@@ -96,16 +96,15 @@ void TakeOwnSize(const Run& run, std::vector<Target>* targets) {
 
 std::vector<Target> OwnTargets(const Run& run, const Geometry& geometry) {
   TrajectoryRequest request;
-  request.train = WorkingCameras(run.scene, run.split.train, run.options.image);
-  request.test = WorkingCameras(run.scene, run.split.test, run.options.image);
+  request.train = WorkingCameras(run.scene, run.split.train, run.plan.image);
+  request.test = WorkingCameras(run.scene, run.split.test, run.plan.image);
   request.spare = TargetsOf(run, SpareViews(run));
   request.maps = &geometry.maps;
   request.points = &geometry.points;
   request.seed = run.options.start.seed;
   request.sees_anything = AsksGenerator(run);
-  TrajectoryOptions trajectory = run.options.trajectory;
-  if (trajectory.proposals.is_auto() && ProxiesAlonePropose(run)) trajectory.proposals = kProxyProposals;
-  std::vector<Target> targets = ChooseTargets(request, trajectory, run.listener);
+  std::vector<Target> targets =
+      ChooseTargets(request, SettleTargets(run.options.trajectory, ProxiesAlonePropose(run)), run.listener);
   if (run.options.propose.proposal_size == ProposalSize::kOwn) TakeOwnSize(run, &targets);
   return targets;
 }

@@ -2,6 +2,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/settings/from_results.h"
 #include "oraclegs/sfm/pose_check.h"
 #include "oraclegs/sfm/pose_fit_words.h"
 #include "oraclegs/sfm/triangulate.h"
@@ -19,8 +20,7 @@ bool IsWanted(const Run& run) {
 /// helped to place them.
 bool TakesModel(const Run& run) {
   const bool all_train = run.split.train.size() == run.scene.views.size() && run.scene.missing_images.empty();
-  const auto asked = run.options.start.sfm_points.ValueOr(all_train ? SfmPoints::kModel : SfmPoints::kTriangulate);
-  return asked == SfmPoints::kModel && !run.scene.points.empty();
+  return SettleSfmPoints(run.options.start, all_train) == SfmPoints::kModel && !run.scene.points.empty();
 }
 
 void AddSfmKey(Run* run, Fingerprint* key) {

@@ -4,9 +4,6 @@
 
 namespace oraclegs {
 
-/// Fewer points than this are no start for training.
-inline constexpr size_t kMinSparseStart = 100;
-
 /// Stage "sfm": sparse points of the training views, with indices of run->scene. A COLMAP model's points count when the
 /// training views saw them; otherwise, or when they are too few, points are triangulated from the training views
 /// (cached in sfm/). Not wanted where no other stage would use them.

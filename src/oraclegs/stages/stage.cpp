@@ -11,7 +11,7 @@ namespace oraclegs {
 const TrainingViews& ViewsOf(Run* run) {
   std::unique_ptr<TrainingViews>& views = run->results->views;
   if (!views) {
-    views = std::make_unique<TrainingViews>(LoadViews(run->scene, run->split.train, run->options.image, run->listener));
+    views = std::make_unique<TrainingViews>(LoadViews(run->scene, run->split.train, run->plan.image, run->listener));
   }
   return *views;
 }
@@ -28,9 +28,9 @@ std::optional<std::vector<LoadedView>> LargerViews(const Run& run, int shorter_s
     return shortest;
   };
   double aspect = 1;
-  const int working = shorter_sides(run.options.image, &aspect);
+  const int working = shorter_sides(run.plan.image, &aspect);
   if (working >= shorter_side) return std::nullopt;
-  ImageOptions larger = run.options.image;
+  ImageOptions larger = run.plan.image;
   larger.downscale = 1;
   larger.max_size = static_cast<int>(std::ceil(kTimesRead * shorter_side * aspect));
   if (shorter_sides(larger, &aspect) <= working) return std::nullopt;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "oraclegs/settings/from_results.h"
 #include "oraclegs/settings/plan.h"
 #include "oraclegs/sfm/choose_pairs.h"
 #include "oraclegs/sfm/colmap_runner.h"
@@ -20,7 +21,7 @@ constexpr double kRenderOfPixel = 0.1e-6, kRenderOfGaussian = 30e-9;
 }  // namespace
 
 double PixelsOfView(const EstimateInput& input) {
-  const PixelSize size = WorkingSize(input.scene.largest, input.options.image);
+  const PixelSize size = WorkingSize(input.scene.largest, input.options.image.Settled());
   return static_cast<double>(size.width) * size.height;
 }
 
@@ -33,12 +34,10 @@ double FullPixels(const EstimateInput& input) {
 int ProposalsOf(const EstimateInput& input) {
   const RunOptions& options = input.options;
   if (!ProposesViews(options)) return 0;
-  const int proposals =
-      options.trajectory.proposals.ValueOr(options.propose.ByProxiesAlone() ? kProxyProposals : kUsualProposals);
+  const TargetPlan targets = SettleTargets(options.trajectory, options.propose.ByProxiesAlone());
   const bool has_spare = static_cast<size_t>(input.other_views) >= kMinSpareForDataset;
-  const auto& trajectory = options.trajectory.trajectory;
-  const bool at_views = trajectory.is_auto() ? has_spare : trajectory.value() == Trajectory::kDataset;
-  return at_views ? std::min(proposals, input.other_views) : proposals;
+  const bool at_views = targets.trajectory == Trajectory::kDataset && (has_spare || !targets.or_coverage);
+  return at_views ? std::min(targets.count, input.other_views) : targets.count;
 }
 
 double SecondsOfIteration(const EstimateInput& input) {

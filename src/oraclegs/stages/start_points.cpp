@@ -6,7 +6,7 @@
 #include "oraclegs/core/text.h"
 #include "oraclegs/depth/plane_fill.h"
 #include "oraclegs/depth/prior_points.h"
-#include "oraclegs/stages/sfm_stage.h"
+#include "oraclegs/settings/from_results.h"
 
 namespace oraclegs {
 namespace {
@@ -25,20 +25,8 @@ class StartBuilder {
         budget_(static_cast<size_t>(run.options.train.max_gaussians.value())) {}
 
   StartPoints Build() {
-    const Auto<StartKind>& init = run_.options.start.init;
-    if (init == StartKind::kRandom || init == StartKind::kRandomCube) {
-      AddRandom(static_cast<size_t>(run_.options.train.random_points));
-    } else if (init == StartKind::kSfm) {
-      Require(sfm_.size(), "the training views gave {} points, too few to start from; use --init random");
-      AddSfm();
-    } else if (init == StartKind::kDense) {
-      Require(geometry_.points.size(), "stereo gave {} points, too few to start from; use --init sfm or --init random");
-      AddDense(budget_);
-    } else if (init == StartKind::kHybrid) {
-      AddHybrid();
-    } else {
-      AddBest();
-    }
+    const StartCounts found{geometry_.points.size(), sfm_.size(), budget_, run_.plan.needs_depth};
+    for (const StartKind kind : SettleStart(run_.options.start, found, run_.listener)) Add(kind);
     return std::move(start_);
   }
 
@@ -48,28 +36,20 @@ class StartBuilder {
     throw InputError("{}: {}", run_.scene.root.string(), fmt::format(fmt::runtime(message), points));
   }
 
-  void AddBest() {
-    if (geometry_.points.size() >= kMinPointsForStart) {
-      AddDense(budget_);
-      return;
-    }
-    if (run_.plan.needs_depth) {
-      run_.listener(Warning{fmt::format(
-          "stereo gave {} points only: the photos overlap too little, or their surfaces have no texture; starting "
-          "without them",
-          geometry_.points.size())});
-    }
-    if (sfm_.size() < kMinSparseStart) {
-      run_.listener(
-          Warning{fmt::format("the training views gave {} points, fewer than {}: starting from random points, which "
-                              "reconstructs fine detail less well",
-                              sfm_.size(), kMinSparseStart)});
-      AddRandom(static_cast<size_t>(run_.options.train.random_points));
-      return;
-    }
-    AddSfm();
-    if (sfm_.size() < std::min(kMinPointsForStart, budget_)) {
-      AddRandom(static_cast<size_t>(run_.options.train.random_points));
+  void Add(StartKind kind) {
+    switch (kind) {
+      case StartKind::kDense:
+        Require(geometry_.points.size(),
+                "stereo gave {} points, too few to start from; use --init sfm or --init random");
+        return AddDense(budget_);
+      case StartKind::kSfm:
+        Require(sfm_.size(), "the training views gave {} points, too few to start from; use --init random");
+        return AddSfm();
+      case StartKind::kHybrid:
+        return AddHybrid();
+      case StartKind::kRandom:
+      case StartKind::kRandomCube:
+        return AddRandom(static_cast<size_t>(run_.options.train.random_points), kind == StartKind::kRandomCube);
     }
   }
 
@@ -77,12 +57,12 @@ class StartBuilder {
     const auto random = static_cast<size_t>(kRandomShare * static_cast<double>(budget_));
     AddDense(budget_ - std::min(budget_, random + sfm_.size()));
     AddSfm();
-    AddRandom(random);
+    AddRandom(random, false);
   }
 
   size_t Left() const { return budget_ - std::min(budget_, start_.cloud.xyz.size()); }
 
-  void Add(const PointCloud& more, const std::string& source) {
+  void Append(const PointCloud& more, const std::string& source) {
     if (more.xyz.empty()) return;
     PointCloud& cloud = start_.cloud;
     cloud.xyz.insert(cloud.xyz.end(), more.xyz.begin(), more.xyz.end());
@@ -91,7 +71,7 @@ class StartBuilder {
   }
 
   void AddDense(size_t limit) {
-    Add(DenseStart(run_.options.start, views_, geometry_, std::min(limit, Left())), "dense");
+    Append(DenseStart(run_.options.start, views_, geometry_, std::min(limit, Left())), "dense");
   }
 
   void AddSfm() {
@@ -102,19 +82,18 @@ class StartBuilder {
       for (size_t i = 0; i < limit; ++i) points[i] = points[i * points.size() / limit];
       points.resize(limit);
     }
-    Add(ToPointCloud(points), "sfm");
+    Append(ToPointCloud(points), "sfm");
   }
 
-  void AddRandom(size_t limit) {
+  void AddRandom(size_t limit, bool in_cube) {
     const auto n = static_cast<int64_t>(std::min(limit, Left()));
     if (run_.scene.format == SceneFormat::kBlender) {
-      Add(RandomPointsInBlenderCube(n, run_.options.start.seed), "random");
+      Append(RandomPointsInBlenderCube(n, run_.options.start.seed), "random");
       return;
     }
-    const std::vector<Camera> cameras = WorkingCameras(run_.scene, run_.split.train, run_.options.image);
+    const std::vector<Camera> cameras = WorkingCameras(run_.scene, run_.split.train, run_.plan.image);
     const uint64_t seed = run_.options.start.seed;
-    const bool in_cube = run_.options.start.init == StartKind::kRandomCube;
-    Add(in_cube ? RandomPointsInCube(cameras, n, seed) : RandomPointsInView(cameras, n, seed), "random");
+    Append(in_cube ? RandomPointsInCube(cameras, n, seed) : RandomPointsInView(cameras, n, seed), "random");
   }
 
   const Run& run_;
@@ -158,10 +137,6 @@ StartPoints ChooseStart(Run* run, const StartEvidence& known) {
                                     {"points", start.cloud.xyz.size()},
                                     {"files", nlohmann::json::array()}});
   return start;
-}
-
-InitializeOptions InitializeOptionsOf(const StartOptions& options, double usual_scale) {
-  return {options.init_scale.ValueOr(usual_scale), options.init_opacity};
 }
 
 }  // namespace oraclegs

@@ -12,8 +12,8 @@ TestScore TestScoreOf(const Run& run) {
     run.listener(Warning{"--eval-every: there are no test views; train.csv has no PSNR"});
     return {};
   }
-  const auto views = std::make_shared<const std::vector<LoadedView>>(
-      LoadViews(run.scene, run.split.test, run.options.image, Silent()));
+  const auto views =
+      std::make_shared<const std::vector<LoadedView>>(LoadViews(run.scene, run.split.test, run.plan.image, Silent()));
   RenderOptions render;
   render.background = BackgroundColor(run.options.image.background);
   render.antialiased = run.options.train.antialiased;

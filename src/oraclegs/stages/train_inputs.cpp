@@ -1,7 +1,5 @@
 #include "oraclegs/stages/train_inputs.h"
 
-#include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <span>
 
@@ -10,31 +8,6 @@
 
 namespace oraclegs {
 namespace {
-
-constexpr double kOpacityNoise = 0.5, kObjectOpacityNoise = 0.3, kLastRates = 0.1;
-// An object is seen from all around, every part of it in few views: overfitting costs more there than dropout blurs.
-// Views that overlap much lose by it.
-constexpr double kObjectDropout = 0.2;
-
-// Proxy models that are trained nearly to the end err as the model itself does, but each in its own way, so that their
-// mean is nearer to the truth than the model would come alone: it may be seen often, as far as it is right.
-constexpr double kProxyDose = 0.5;
-
-// 3DGS's learning rates are made for so many iterations. A run of fewer ends before its Gaussians have arrived: with
-// rates times the root of the ratio, 1000 iterations come as far as 5000 did, and 5000 half a decibel further.
-constexpr double kIterationsOfRates = 30000, kMaxRateScale = 6;
-
-/// Settles what depends on the length of the run.
-void SettleCourse(TrainOptions* options) {
-  const int iterations = options->iterations.ValueOr(kUsualIterations);
-  const double course = std::max<double>(iterations, options->horizon);
-  const double rates = std::clamp(std::sqrt(kIterationsOfRates / course), 1., kMaxRateScale);
-  options->rate_scale = options->rate_scale.ValueOr(rates);
-  options->refine_start = options->refine_start.ValueOr(std::min(iterations / 10, kUsualRefineStart));
-  options->refine_every = options->refine_every.ValueOr(std::clamp(iterations / 50, 10, kUsualRefineEvery));
-  options->sh_degree_interval =
-      options->sh_degree_interval.ValueOr(std::clamp(iterations / 5, 1, kUsualShDegreeInterval));
-}
 
 Buffer<float> ToMap(const std::vector<float>& values, const Camera& camera) {
   return Buffer<float>::From({camera.height, camera.width}, std::span<const float>(values));
@@ -82,51 +55,20 @@ ExposureMap Diagonal(const Eigen::Vector3f& gain) {
 
 }  // namespace
 
-TrainOptions SettleTrainOptions(TrainOptions options, const TrainingViews& training, const Geometry& geometry,
-                                const Listener& listener) {
-  const bool is_object = !training.silhouettes.empty();
-  if (is_object) listener(Note{"an object before a plain background: its silhouettes bound the reconstruction"});
-  SettleCourse(&options);
-  options.opacity_noise = options.opacity_noise.ValueOr(is_object ? kObjectOpacityNoise : kOpacityNoise);
-  options.last_rates = options.last_rates.ValueOr(kLastRates);
-  options.dropout = options.dropout.ValueOr(is_object ? kObjectDropout : 0);
-  if (!options.exposure.is_auto()) return options;
-  options.exposure = geometry.HasVariedExposure() ? ExposureMode::kOn : ExposureMode::kOff;
-  if (options.exposure == ExposureMode::kOn) {
-    listener(Note{fmt::format("the images' exposures differ by {:.0f} %: a color map is learned for each (--exposure)",
-                              100 * ExposureSpread(geometry.gains))});
-  }
-  return options;
+TrainEvidence EvidenceOf(const TrainingViews& training, const Geometry& geometry) {
+  return {.is_object = !training.silhouettes.empty(),
+          .exposure_spread = geometry.HasVariedExposure() ? ExposureSpread(geometry.gains) : 0,
+          .photos = training.views.size()};
 }
 
-TrainOptions SettleProxyDose(TrainOptions options, const std::vector<TrainView>& proposals, const Listener& listener) {
-  if (proposals.empty() || !options.schedule.is_auto() || !options.synthetic_floor.is_auto()) return options;
+std::optional<double> MeanSquaredConfidence(const std::vector<TrainView>& proposals) {
+  if (proposals.empty()) return std::nullopt;
   double squares = 0, pixels = 0;
   for (const TrainView& view : proposals) {
     for (const float u : view.pixel_weight.span()) squares += static_cast<double>(u) * static_cast<double>(u);
     pixels += static_cast<double>(view.pixel_weight.count());
   }
-  options.schedule = ScheduleKind::kConstant;
-  options.synthetic_floor = kProxyDose * squares / pixels;
-  listener(Note{fmt::format("{:.0f} % of the iterations take a proposal (--set synthetic-floor)",
-                            100 * options.synthetic_floor.value())});
-  return options;
-}
-
-TrainOptions SettleUnion(TrainOptions options, size_t photos, size_t proposals) {
-  if (options.schedule != ScheduleKind::kUnion) return options;
-  options.schedule = ScheduleKind::kConstant;
-  options.synthetic_floor = static_cast<double>(proposals) / static_cast<double>(photos + proposals);
-  return options;
-}
-
-nlohmann::json ChosenOptions(const TrainOptions& asked, const TrainOptions& settled) {
-  const nlohmann::json before = OptionsToJson(asked), after = OptionsToJson(settled);
-  nlohmann::json chosen = nlohmann::json::object();
-  for (const auto& [name, value] : before.items()) {
-    if (value == "auto" && after.at(name) != "auto") chosen[name] = after.at(name);
-  }
-  return chosen;
+  return squares / pixels;
 }
 
 std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geometry& geometry, DepthLoss depth_loss) {

@@ -1,31 +1,22 @@
 #pragma once
-// What the trainer is given: views with what stereo knows of them, and options in which nothing is automatic.
+// What the trainer is given: views with what stereo knows of them. And the evidence that its options are settled from.
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "oraclegs/settings/from_results.h"
 #include "oraclegs/stages/stage.h"
-#include "oraclegs/train/options.h"
 #include "oraclegs/train/train_view.h"
 
 namespace oraclegs {
 
-/// The options with everything that is automatic settled, by the images and what stereo found in them; what differs
-/// from scene to scene is reported.
-TrainOptions SettleTrainOptions(TrainOptions options, const TrainingViews& training, const Geometry& geometry,
-                                const Listener& listener);
+/// Evidence of the photos and their depth; none yet of proposals.
+TrainEvidence EvidenceOf(const TrainingViews& training, const Geometry& geometry);
 
-/// Where proxy models alone made the proposals and neither --schedule nor --set synthetic-floor says how often one is
-/// taken: in a constant share of the iterations, half of the mean squared confidence (docs/method.md#schedules), which
-/// is reported. Other options, and those without proposals, stay as they are.
-TrainOptions SettleProxyDose(TrainOptions options, const std::vector<TrainView>& proposals, const Listener& listener);
-
-/// --schedule union as a constant share: that of the proposals among all views. Other schedules stay as they are.
-TrainOptions SettleUnion(TrainOptions options, size_t photos, size_t proposals);
-
-/// {"rate-scale": 3.46, ...}: what `settled` has for the options that were automatic when the user asked.
-nlohmann::json ChosenOptions(const TrainOptions& asked, const TrainOptions& settled);
+/// Mean over all pixels of the proposals; nullopt without proposals.
+std::optional<double> MeanSquaredConfidence(const std::vector<TrainView>& proposals);
 
 /// The views as the trainer takes them: with depth where it is confident or a network's, with emptiness (inverse depth
 /// 0) beside an object's silhouette unless `depth_loss` is the paper's, and starting from the exposures stereo found.

@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 
 void AddTrainKey(Run* run, Fingerprint* key) {
   key->Add(ShapingOptionsToJson(run->options).dump());
-  key->Add(ViewsFingerprint(run->scene, run->split.train, run->options.image, &run->files));
+  key->Add(ViewsFingerprint(run->scene, run->split.train, run->plan.image, &run->files));
   if (run->plan.has_proposals && run->options.train.proposal_lpips > 0) key->Add(run->files.OfAll(run->plan.lpips));
 }
 
@@ -48,7 +48,7 @@ std::string InputsOf(Run* run) {
   nlohmann::json options = ShapingOptionsToJson(run->options);
   options.erase("iterations");
   print.Add(options.dump());
-  print.Add(ViewsFingerprint(run->scene, run->split.train, run->options.image, &run->files));
+  print.Add(ViewsFingerprint(run->scene, run->split.train, run->plan.image, &run->files));
   if (run->plan.has_proposals && run->options.train.proposal_lpips > 0) print.Add(run->files.OfAll(run->plan.lpips));
   return print.Hex();
 }
@@ -133,19 +133,19 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
   return std::nullopt;
 }
 
-/// The run's training options with nothing automatic left.
 TrainOptions SettledOptions(const Run& run, const TrainingViews& training) {
-  const StageResults& known = *run.results;
-  TrainOptions settled = SettleTrainOptions(run.options.train, training, known.geometry, run.listener);
-  if (ProxiesAlonePropose(run)) settled = SettleProxyDose(settled, known.proposals, run.listener);
-  return SettleUnion(settled, training.views.size(), known.proposals.size()).Settled();
+  TrainEvidence found = EvidenceOf(training, run.results->geometry);
+  found.proposals = run.results->proposals.size();
+  if (ProxiesAlonePropose(run)) found.proxy_trust = MeanSquaredConfidence(run.results->proposals);
+  return SettleTraining(run.options.train, found, run.listener);
 }
 
 Gaussians StartGaussians(Run* run) {
   const StageResults& known = *run->results;
   const StartPoints start = ChooseStart(run, {ViewsOf(run).views, known.points, known.geometry});
-  const double usual = start.source.rfind("dense", 0) == 0 ? kDenseScale : kSparseScale;
-  return InitializeGaussians(start.cloud, InitializeOptionsOf(run->options.start, usual), run->plan.device);
+  const StartOptions& asked = run->options.start;
+  const bool is_dense = start.source.rfind("dense", 0) == 0;
+  return InitializeGaussians(start.cloud, {SettleStartScale(asked, is_dense), asked.init_opacity}, run->plan.device);
 }
 
 nlohmann::json TimingsToJson(const TrainResult& result) {
@@ -196,11 +196,11 @@ ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) 
   for (const LoadedView& view : training.views) ready.names.push_back(view.name);
   Gaussians start = checkpoint ? checkpoint->gaussians : StartGaussians(run);
   ReportDevice(run->plan.device, run->plan.support, run->listener);
-  TrainingLpips network = LpipsOfProposals(run->options.train, run->plan, known.proposals, run->listener);
+  const TrainOptions settled = SettledOptions(*run, training);
+  TrainingLpips network = LpipsOfProposals(settled, run->plan, known.proposals, run->listener);
   ready.lpips = network.convention;
   std::vector<TrainView> images = MakeTrainViews(training, known.geometry, run->options.train.depth_loss);
   ready.views = SupportViewsOf(images, known.proposals);
-  const TrainOptions settled = SettledOptions(*run, training);
   ready.chosen = ChosenOptions(run->options.train, settled);
   BaselineSetup setup{{settled,
                        run->options.start.seed,

@@ -132,6 +132,7 @@ OracleSetup SetupOf(const Run& run) {
   if (choice.weights) {
     setup.vggt = choice.weights->path;
     setup.device = DeviceOfNetworks(GetNetworks(), run.plan.device, run.listener);
+    setup.precision = SettlePrecision(run.options.validate, setup.device);
     setup.free_bytes = static_cast<uint64_t>(FreeBytes(setup.device));
   }
   const auto& ready_made = run.results->folder.confidence;

@@ -39,7 +39,7 @@ class Densifier {
 
 /// Inputs of a densifier, which outlive it.
 struct DensifierSetup {
-  const TrainOptions& options;  ///< settled
+  const TrainOptions& options;
   const LossPlan& plan;
   Rasterizer* rasterizer;
   Device device = kCpu;

@@ -92,7 +92,7 @@ LossTerms LossPlan::Terms(const SampledView& sampled, int64_t iteration) const {
   if (!is_proposal && options_.exposure == ExposureMode::kOn) {
     terms.Add({TermKind::kExposure, kExposureRegularizer});
     terms.exposure = sampled.index;
-    const bool is_last = iteration >= options_.iterations.value();
+    const bool is_last = iteration >= options_.iterations;
     terms.exposure_rate = is_last ? 0 : ExposureLearningRate(iteration, options_.Horizon());
   }
   if (is_proposal && lpips_) {

@@ -92,7 +92,7 @@ class LossTerms {
 /// Iterations count from 1.
 class LossPlan {
  public:
-  /// `options` are settled. Throws UsageError when there is no photo or the shares of the loss sum to more than 1,
+  /// Throws UsageError when there is no photo or the shares of the loss sum to more than 1,
   /// ShapeError when a view does not fit; see CheckViews and CheckProposals.
   LossPlan(const TrainOptions& options, TrainingData data);
 

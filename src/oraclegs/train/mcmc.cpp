@@ -125,7 +125,7 @@ class McmcDensifier final : public Densifier {
     Gaussians* gaussians = &model->gaussians;
     if (options_.prune_floaters) PruneFloaters(plan_.photos(), gaussians);
     RelocateDead(iteration.seed, iteration.number, gaussians, &model->adam);
-    AddGaussians(iteration.seed, iteration.number, options_.max_gaussians.value(), gaussians, &model->adam);
+    AddGaussians(iteration.seed, iteration.number, options_.max_gaussians, gaussians, &model->adam);
     AddNoise({iteration.seed, iteration.number, iteration.rates.means}, gaussians);
   }
 

@@ -44,69 +44,50 @@ struct EnumWords<ShMoments> {
 /// Defaults where nothing chooses a size.
 inline constexpr int kUsualIterations = 7000, kUsualMaxGaussians = 100000;
 
-/// Values of 3DGS for its 30000 iterations.
-inline constexpr int kUsualRefineStart = 500, kUsualRefineEvery = 100, kUsualShDegreeInterval = 1000;
-
-/// Everything that decides the numbers of a training run.
-struct TrainOptions {
-  Auto<int> iterations = {};
+/// Training options that no scene decides.
+struct TrainConstants {
   int horizon = 0;
-  Auto<int> max_gaussians = {};
   double depth_weight = 1;
   DepthLoss depth_loss = DepthLoss::kRelative;
   double alpha_weight = 0.1;
-  Auto<ExposureMode> exposure = {};
-  Auto<double> dropout = {};
-  Auto<double> opacity_noise = {};
   bool prune_floaters = false;
   double largest_scale = 0.7;
-  Auto<double> rate_scale = {};
-  Auto<double> last_rates = {};
   double opacity_reg = 0.01;
   double scale_reg = 0.01;
   double ssim_weight = 0.2;
-  Auto<ScheduleKind> schedule = {};
-  Auto<double> synthetic_floor = {};
   double synthetic_peak = ProposalSchedule().peak;
   double proposal_ssim = 0.3;
   double proposal_lpips = 0.3;
   double confidence_power = 1;
-  Auto<int> refine_start = {};
-  Auto<int> refine_every = {};
   double refine_stop = 25.0 / 30;
-  Auto<int> sh_degree_interval = {};
   int sh_degree = 3;
   ShMoments sh_moments = ShMoments::kHalf;
   bool antialiased = false;
   int random_points = 100000;
+};
 
-  /// The options with every automatic value replaced: by the default sizes, and otherwise by what 3DGS does, mostly
-  /// "off".
-  TrainOptions Settled() const {
-    TrainOptions settled = *this;
-    settled.iterations = iterations.ValueOr(kUsualIterations);
-    settled.max_gaussians = max_gaussians.ValueOr(kUsualMaxGaussians);
-    settled.dropout = dropout.ValueOr(0);
-    settled.opacity_noise = opacity_noise.ValueOr(0);
-    settled.rate_scale = rate_scale.ValueOr(1);
-    settled.last_rates = last_rates.ValueOr(1);
-    settled.refine_start = refine_start.ValueOr(kUsualRefineStart);
-    settled.refine_every = refine_every.ValueOr(kUsualRefineEvery);
-    settled.sh_degree_interval = sh_degree_interval.ValueOr(kUsualShDegreeInterval);
-    settled.exposure = exposure.ValueOr(ExposureMode::kOff);
-    settled.schedule = schedule.ValueOr(ScheduleKind::kPaper);
-    settled.synthetic_floor = synthetic_floor.ValueOr(ProposalSchedule().floor);
-    return settled;
-  }
+/// Everything that decides the numbers of a training run; without other values as 3DGS does.
+struct TrainOptions : TrainConstants {
+  int iterations = kUsualIterations;
+  int max_gaussians = kUsualMaxGaussians;
+  ExposureMode exposure = ExposureMode::kOff;
+  double dropout = 0;
+  double opacity_noise = 0;
+  double rate_scale = 1;
+  double last_rates = 1;
+  ScheduleKind schedule = ScheduleKind::kPaper;
+  double synthetic_floor = ProposalSchedule().floor;
+  int refine_start = 500;
+  int refine_every = 100;
+  int sh_degree_interval = 1000;
 
-  /// Number of iterations that the schedules of rates and weights span. Options must be settled.
-  int64_t Horizon() const { return horizon > 0 ? horizon : iterations.value(); }
+  /// Number of iterations that the schedules of rates and weights span.
+  int64_t Horizon() const { return horizon > 0 ? horizon : iterations; }
 
-  /// Probability schedule of proposals, as --schedule says; the paper's for auto.
+  /// Probability schedule of proposals, as --schedule says.
   ProposalSchedule Proposals() const {
     if (schedule == ScheduleKind::kNone) return {0, 0};
-    return {synthetic_floor.ValueOr(ProposalSchedule().floor),
-            schedule == ScheduleKind::kPaper || schedule.is_auto() ? synthetic_peak : 0};
+    return {synthetic_floor, schedule == ScheduleKind::kPaper ? synthetic_peak : 0};
   }
 
   template <class Self, class V>
@@ -208,6 +189,27 @@ struct TrainOptions {
           Tier::kSetting);
     visit("refine-stop", self.refine_stop, "Fraction of the iterations after which relocation and growth end",
           Range{0, 1}, Tier::kSetting);
+  }
+};
+
+/// TrainOptions as the user asks for them.
+struct AutoTrainOptions : TrainConstants {
+  Auto<int> iterations;
+  Auto<int> max_gaussians;
+  Auto<ExposureMode> exposure;
+  Auto<double> dropout;
+  Auto<double> opacity_noise;
+  Auto<double> rate_scale;
+  Auto<double> last_rates;
+  Auto<ScheduleKind> schedule;
+  Auto<double> synthetic_floor;
+  Auto<int> refine_start;
+  Auto<int> refine_every;
+  Auto<int> sh_degree_interval;
+
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    TrainOptions::Visit(self, visit);
   }
 };
 

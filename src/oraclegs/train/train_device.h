@@ -91,7 +91,7 @@ class TrainDevice {
   virtual void RestoreExposures(const ExposureState& state) = 0;
 };
 
-/// Inputs of a device. `options` are settled, `start` is the first number of Gaussians; `plan` outlives the device.
+/// Inputs of a device. `start` is the first number of Gaussians; `plan` outlives the device.
 struct TrainDeviceSetup {
   const TrainOptions& options;
   const LossPlan& plan;

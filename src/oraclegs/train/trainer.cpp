@@ -33,7 +33,7 @@ void CheckFinite(const Gaussians& gaussians, int64_t iteration) {
 
 struct Trainer::State {
   State(TrainSetup setup, const TrainDeviceMaker& make_device)
-      : options(setup.options.Settled()),
+      : options(setup.options),
         seed(setup.seed),
         view_seed(setup.view_seed.value_or(seed)),
         background(setup.background),
@@ -49,7 +49,7 @@ struct Trainer::State {
   Buffer<float> OpacityFactors();
   void Step();
   void ReportLimitations(const Listener& listener) const;
-  bool IsLast(int64_t i) const { return i >= options.iterations.value(); }
+  bool IsLast(int64_t i) const { return i >= options.iterations; }
 
   // Setup of the run.
   TrainOptions options;
@@ -77,15 +77,15 @@ Iteration Trainer::State::NextIteration() {
   Iteration next;
   const int64_t i = next.number = iteration + 1;
   next.seed = seed;
-  next.rates.ScaleAll(RateFactor(i, options.Horizon(), options.last_rates.value()));
+  next.rates.ScaleAll(RateFactor(i, options.Horizon(), options.last_rates));
   next.rates.means = MeansLearningRate(i, options.Horizon(), extent);
-  next.rates.ScaleAll(options.rate_scale.value());
-  next.sh_degree = std::min(ActiveShDegree(i, options.sh_degree_interval.value()), options.sh_degree);
+  next.rates.ScaleAll(options.rate_scale);
+  next.sh_degree = std::min(ActiveShDegree(i, options.sh_degree_interval), options.sh_degree);
   next.view = sampler.Next(SyntheticProbability(i, options.Horizon(), options.Proposals()));
   next.moves = !IsLast(i);
   next.refines = Refines(options, i);
   // Also after the last relocation, since oversized Gaussians grow until the end.
-  next.caps_scales = options.largest_scale > 0 && i % options.refine_every.value() == 0;
+  next.caps_scales = options.largest_scale > 0 && i % options.refine_every == 0;
   return next;
 }
 
@@ -93,9 +93,8 @@ Iteration Trainer::State::NextIteration() {
 /// perturbed, as in the last iteration, whose loss is that of the final model.
 Buffer<float> Trainer::State::OpacityFactors() {
   const int64_t i = iteration + 1;
-  const OpacityPerturbation perturbation{seed, i,
-                                         DropProbability(options.dropout.value(), i, options.iterations.value()),
-                                         IsLast(i) ? 0 : options.opacity_noise.value()};
+  const OpacityPerturbation perturbation{seed, i, DropProbability(options.dropout, i, options.iterations),
+                                         IsLast(i) ? 0 : options.opacity_noise};
   return perturbation.IsActive() ? device->OpacityFactors(perturbation, model.gaussians.size()) : Buffer<float>();
 }
 
@@ -161,9 +160,9 @@ Trainer::~Trainer() = default;
 
 void Trainer::Restore(const Checkpoint& checkpoint) {
   State& s = *state_;
-  if (checkpoint.iteration > s.options.iterations.value()) {
+  if (checkpoint.iteration > s.options.iterations) {
     throw InputError("the checkpoint stands at iteration {}, this run ends at {}", checkpoint.iteration,
-                     s.options.iterations.value());
+                     s.options.iterations);
   }
   checkpoint.gaussians.Check("Trainer::Restore");
   const int64_t n = checkpoint.gaussians.size();
@@ -216,7 +215,7 @@ TrainResult Trainer::RunToTheEnd(const CheckpointPolicy& policy, const Listener&
   s.timings = {};
   s.timed_since = s.iteration;
   s.ReportLimitations(listener);
-  const int64_t total = s.options.iterations.value();
+  const int64_t total = s.options.iterations;
   const double seconds_before = s.seconds;
   const Stopwatch watch;
   const auto save = [&] {

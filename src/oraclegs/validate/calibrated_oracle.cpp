@@ -37,7 +37,7 @@ size_t ChooseChunk(const std::function<int64_t(int64_t)>& bytes, const ChunkRequ
   const Auto<int>& asked = request.asked;
   const auto fits = [&](int64_t chunk) { return available == 0 || static_cast<uint64_t>(bytes(chunk)) <= available; };
   const double free = GiB(static_cast<double>(available));
-  if (asked.ValueOr(0) > 0) {
+  if (!asked.is_auto() && asked.value() > 0) {
     if (!fits(asked.value())) {
       listener(Warning{fmt::format("--set oracle-chunk={}: a pass needs about {:.1f} GiB, {:.1f} GiB are free",
                                    asked.value(), GiB(static_cast<double>(bytes(asked.value()))), free)});
@@ -118,7 +118,7 @@ void CalibratedOracle::LoadSecond(const OracleSetup& setup, const std::vector<Lo
                                   const Listener& listener) {
   const ValidateOptions& asked = setup.options;
   std::unique_ptr<AttentionNetwork> network = GetNetworks().OpenAttention(
-      setup.vggt, {asked.oracle_mode, AttentionLayersOf(asked), asked.vggt_precision}, setup.device);
+      setup.vggt, {asked.oracle_mode, AttentionLayersOf(asked), setup.precision}, setup.device);
   std::vector<Camera> cameras;
   for (const LoadedView& view : views) cameras.push_back(view.camera);
   VggtOracleOptions options;

@@ -37,9 +37,10 @@ struct OracleSetup {
   ValidateOptions options = {};
   std::filesystem::path vggt = {};  ///< weights, for the kinds that ask VGGT; empty = it is not asked
   Device device = kCpu;             ///< where VGGT computes
-  uint64_t free_bytes = 0;          ///< free memory there; 0 = unknown
-  bool unknown_errors = false;      ///< some proposals come from generators that cannot hold a view out
-  size_t targets = 0;               ///< to be classified, for the progress of "validate"
+  VggtPrecision precision = VggtPrecision::kFloat32;
+  uint64_t free_bytes = 0;      ///< free memory there; 0 = unknown
+  bool unknown_errors = false;  ///< some proposals come from generators that cannot hold a view out
+  size_t targets = 0;           ///< to be classified, for the progress of "validate"
   uint64_t seed = 0;
 };
 

@@ -44,7 +44,7 @@ TEST_F(ReportViewsTest, ShowsProposalsWithConfidenceAndTheirNearestView) {
   RunRequest other = *request;
   other.out = *temp / "with_proposal";
   const oraclegs::Run run = StartRun(other, Silent());
-  const auto training = LoadViews(run.scene, run.split.train, run.options.image, Silent());
+  const auto training = LoadViews(run.scene, run.split.train, run.plan.image, Silent());
   GiveProposal(run, training[2].camera);
   const Model model = LoadModel(*temp / "out/point_cloud.ply", request->options, kCpu, run.frame);
   const ReportFiles files(other.out);
@@ -72,7 +72,7 @@ TEST_F(ReportViewsTest, AdvisesWhereLittleIsSupported) {
   RunRequest other = *request;
   other.out = *temp / "with_advice";
   const oraclegs::Run run = StartRun(other, Silent());
-  const auto training = LoadViews(run.scene, run.split.train, run.options.image, Silent());
+  const auto training = LoadViews(run.scene, run.split.train, run.plan.image, Silent());
   GiveProposal(run, training[0].camera);
   Model model = LoadModel(*temp / "out/point_cloud.ply", request->options, kCpu, run.frame);
   const ReportFiles files(other.out);

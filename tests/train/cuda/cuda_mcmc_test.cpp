@@ -14,7 +14,7 @@ namespace {
 class CudaMcmcTest : public CudaTest {};
 
 TEST_F(CudaMcmcTest, MovesTheDeadAndGrowsAsTheCpuDoes) {
-  const TrainOptions options = Options().Settled();
+  const TrainOptions options = Options();
   const LossPlan plan(options, Photos(2));
   DeviceViews views(plan);
   views.MoveTo(TestDevice());

@@ -90,12 +90,12 @@ class CudaViewLossTest : public CudaTest {
   }
 };
 
-TEST_F(CudaViewLossTest, IsTheCpus) { ExpectAsOnTheCpu(Options().Settled(), Data()); }
+TEST_F(CudaViewLossTest, IsTheCpus) { ExpectAsOnTheCpu(Options(), Data()); }
 
 TEST_F(CudaViewLossTest, LearnsExposures) {
   TrainOptions options = Options();
   options.exposure = ExposureMode::kOn;
-  ExpectAsOnTheCpu(options.Settled(), Data());
+  ExpectAsOnTheCpu(options, Data());
 }
 
 TEST_F(CudaViewLossTest, ANetworkAddsToTheProposals) {
@@ -107,7 +107,7 @@ TEST_F(CudaViewLossTest, ANetworkAddsToTheProposals) {
     grad->CopyFrom(sum);
     return difference.square().sum() / 2;
   };
-  ExpectAsOnTheCpu(Options().Settled(), data);
+  ExpectAsOnTheCpu(Options(), data);
 }
 
 TEST_F(CudaViewLossTest, ANetworkMeetsEachProposalAsOnePicture) {
@@ -118,7 +118,7 @@ TEST_F(CudaViewLossTest, ANetworkMeetsEachProposalAsOnePicture) {
     targets.insert(target.data());
     return 0.;
   };
-  const LossPlan plan(Options().Settled(), data);
+  const LossPlan plan(Options(), data);
   CudaViewLoss loss = LossOnTestDevice(plan);
   for (int64_t number = 1; number <= 6; ++number) {
     LossSums sums;
@@ -130,7 +130,7 @@ TEST_F(CudaViewLossTest, ANetworkMeetsEachProposalAsOnePicture) {
 TEST_F(CudaViewLossTest, PicturesOfBytesLieThereAsBytes) {
   TrainingData data(Photos(2));
   data.photos[0].image = InBytes(data.photos[0].image);
-  const LossPlan plan(Options().Settled(), data);
+  const LossPlan plan(Options(), data);
   const DeviceViews views(plan);
   EXPECT_EQ(views.At({ViewKind::kPhoto, 0}).bytes(), 3 * kWidth * kHeight);
   EXPECT_EQ(views.At({ViewKind::kPhoto, 1}).bytes(), 12 * kWidth * kHeight);
@@ -140,7 +140,7 @@ TEST_F(CudaViewLossTest, PicturesOfBytesLieThereAsBytes) {
 TEST_F(CudaViewLossTest, RefusesExposuresOfOtherPhotos) {
   TrainOptions options = Options();
   options.exposure = ExposureMode::kOn;
-  const LossPlan plan(options.Settled(), Data());
+  const LossPlan plan(options, Data());
   CudaViewLoss loss = LossOnTestDevice(plan);
   EXPECT_THROW(loss.RestoreExposures({{kIdentityExposure}, {kIdentityExposure}, {kIdentityExposure}, {0}}), InputError);
 }

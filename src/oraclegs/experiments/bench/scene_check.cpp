@@ -51,13 +51,12 @@ void RequireSize(const Suite& suite, const SceneCheck& check) {
 
 /// Throws InputError where smaller copies of images are missing. The run would find that only hours later.
 void RequireCopies(const Scene& scene, const std::vector<int>& views, const ImageOptions& options) {
-  const int downscale = options.downscale.ValueOr(1);
-  if (options.smaller_copies != SmallerCopies::kRequired || downscale == 1) return;
+  if (options.smaller_copies != SmallerCopies::kRequired || options.downscale == 1) return;
   for (const int i : views) {
     const SceneView& view = scene.views[static_cast<size_t>(i)];
     if (ImageFile(view, options) != view.image_path) continue;
     throw InputError("{}: has no copy of {} of that size in images_{}; scores compare only with the dataset's own",
-                     scene.root.string(), view.name, downscale);
+                     scene.root.string(), view.name, options.downscale);
   }
 }
 
@@ -69,8 +68,8 @@ void Take(const Suite& suite, const Scene& scene, const RunArguments& asked, Sce
   if (!scene.HasPoses()) return;
   std::vector<int> both = split.train;
   both.insert(both.end(), split.test.begin(), split.test.end());
-  RequireCopies(scene, both, options.image);
-  const Camera camera = WorkingCamera(scene.views[static_cast<size_t>(split.train.front())], options.image);
+  RequireCopies(scene, both, options.image.Settled());
+  const Camera camera = WorkingCamera(scene.views[static_cast<size_t>(split.train.front())], options.image.Settled());
   check->width = camera.width, check->height = camera.height;
   if (KeepsProtocol(suite, {check->views}, asked)) RequireSize(suite, *check);
 }

@@ -46,9 +46,8 @@ Vggt LoadVggt(const std::vector<std::filesystem::path>& paths, const Heads& head
   return vggt;
 }
 
-Placement PlaceOn(torch::Device device, const Auto<VggtPrecision>& precision) {
-  const VggtPrecision usual = device.is_cuda() ? VggtPrecision::kBFloat16 : VggtPrecision::kFloat32;
-  switch (precision.ValueOr(usual)) {
+Placement PlaceOn(torch::Device device, VggtPrecision precision) {
+  switch (precision) {
     case VggtPrecision::kBFloat16:
       return {device, torch::kBFloat16, {}};
     case VggtPrecision::kAutocast:

@@ -42,8 +42,9 @@ struct Placement {
   std::optional<torch::ScalarType> products =
       {};  ///< type of the aggregator's matrix products; unset = aggregator_type
 };
-/// Automatic = the aggregator in bfloat16 on a GPU, whose matrix units are made for it, else in float32.
-Placement PlaceOn(torch::Device device, const Auto<VggtPrecision>& precision = {});
+Placement PlaceOn(torch::Device device, VggtPrecision precision);
+/// In the usual precision of such a device.
+inline Placement PlaceOn(torch::Device device) { return PlaceOn(device, UsualVggtPrecision(device.is_cuda())); }
 /// Reads safetensors files with the official names for this configuration. Heads that are not asked for, the point
 /// head and the track head may be in the files and are not read. Throws InputError that lists all that does not fit.
 Vggt LoadVggt(const std::vector<std::filesystem::path>& paths, const Heads& heads, const Placement& placement = {},

@@ -148,7 +148,7 @@ Sheet ConfidenceSheet(const oraclegs::Run& run, const FigureOptions& options) {
     const auto found = std::find(seen.begin(), seen.end(), name);
     if (found != seen.end()) {
       const int v = photos[static_cast<size_t>(found - seen.begin())];
-      row.back().image = ToImage8(LoadViews(run.scene, {v}, run.options.image, run.listener).front().rgb);
+      row.back().image = ToImage8(LoadViews(run.scene, {v}, run.plan.image, run.listener).front().rgb);
     }
     sheet.rows.push_back(std::move(row));
   }

@@ -112,7 +112,7 @@ bool WriteOrbitVideo(const Model& model, const std::vector<Camera>& training_cam
 }
 
 fs::path WriteOrbitVideo(const Run& run, const Model& model, const OrbitVideo& how) {
-  const std::vector<Camera> cameras = WorkingCameras(run.scene, run.split.train, run.options.image);
+  const std::vector<Camera> cameras = WorkingCameras(run.scene, run.split.train, run.plan.image);
   const fs::path video = run.workspace.renders("orbit") / "video.mp4";
   return WriteOrbitVideo(model, cameras, video, how, run.listener) ? video : fs::path();
 }

@@ -80,7 +80,7 @@ json Triple(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 /// Position and size of the scene, which need no splat.
 json PlaceOf(const Run& run) {
-  const std::vector<Camera> cameras = WorkingCameras(run.scene, run.split.train, run.options.image);
+  const std::vector<Camera> cameras = WorkingCameras(run.scene, run.split.train, run.plan.image);
   const Ball ball = LookedAt(cameras);
   return {{"up", Triple(MeanUp(cameras))}, {"center", Triple(ball.center)}, {"radius", ball.radius}};
 }
@@ -268,7 +268,7 @@ json WriteRunDocument(Run* run, const Model& model, const fs::path& video) {
   document["splat"].update(document["place"]);
   ReportViews views(*run, files, &model);
   const auto load = [&](int view) {  // one at a time, since all may not fit into memory
-    return std::move(LoadViews(run->scene, {view}, run->options.image, Silent()).front());
+    return std::move(LoadViews(run->scene, {view}, run->plan.image, Silent()).front());
   };
   for (const int view : Evenly(run->split.train, kReportedViews)) views.AddTraining(load(view));
   views.AddProposals();

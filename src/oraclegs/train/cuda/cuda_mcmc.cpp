@@ -39,7 +39,7 @@ class CudaMcmcDensifier final : public Densifier {
     }
     const RefineInput in = Refinement(iteration, *model);
     RunRelocate(in, kStream);
-    if (const int64_t added = GrowthOf(n, options_.max_gaussians.value()); added > 0) {
+    if (const int64_t added = GrowthOf(n, options_.max_gaussians); added > 0) {
       RunWeigh(in, kStream);
       total_weight_.Ask(in.scratch.weights + n - 1, kStream);
       if (total_weight_.Get() > 0) {

@@ -45,7 +45,7 @@ class CudaTrainDevice final : public TrainDevice {
         plan_(setup.plan),
         parts_(setup.parts),
         rasterizer_(MakeCudaRasterizer(device)),
-        capacity_(std::max<int64_t>(options_.max_gaussians.value(), setup.start)),
+        capacity_(std::max<int64_t>(options_.max_gaussians, setup.start)),
         loss_(plan_, ViewsOnDevice(), device) {
     ReserveForCapacity();
     accumulator_.ReserveExactly(1);
