@@ -85,7 +85,7 @@ class ProxyTrainer {
     const Geometry rest = GeometryWithout(geometry_, shown, held_out);
     if (kept.size() < kMinViewsOfProxy || rest.points.size() < kMinPointsForStart) {
       run_.listener(Warning{fmt::format(
-          "no proxy models for --proposers splat: one would have {} views and {} dense points, and needs {} and {}; "
+          "no proxy models for --proposers proxies: one would have {} views and {} dense points, and needs {} and {}; "
           "views are warped instead",
           kept.size(), rest.points.size(), kMinViewsOfProxy, kMinPointsForStart)});
       return false;
@@ -148,7 +148,7 @@ std::string PartName(int k) { return fmt::format("proxy {}", k); }
 
 /// Files of model k, relative to the workspace: before it was trained with all views, and after.
 std::vector<std::string> FilesOf(int k) {
-  return {fmt::format("proposals/proxies/{}_before.ply", k), fmt::format("proposals/proxies/{}.ply", k)};
+  return {fmt::format("proposals/proxy_models/{}_before.ply", k), fmt::format("proposals/proxy_models/{}.ply", k)};
 }
 
 void AddProxyKey(Run* run, Fingerprint* key) {
@@ -213,7 +213,7 @@ std::optional<nlohmann::json> MakeProxy(Run* run, const std::string& key) {
 
 double SecondsOfProxies(const EstimateInput& input) {
   const ProposeOptions& propose = input.options.propose;
-  if (!ProposesViews(input.options) || !propose.Uses(ProposerChoice::kSplat)) return 0;
+  if (!ProposesViews(input.options) || !propose.Uses(kProxiesWord)) return 0;
   const bool is_object = input.covered < 1;
   const double iterations =
       (propose.proxy_share + propose.ProxyFinish(is_object)) * input.options.train.iterations.value();
@@ -247,7 +247,7 @@ int ProxyCount(const ProposeOptions& options, int views) {
 }
 
 StageWork ProxyStage() {
-  return {.wanted = [](const Run& run) { return run.plan.Uses(run.options, ProposerChoice::kSplat); },
+  return {.wanted = [](const Run& run) { return run.plan.Uses(run.options, kProxiesWord); },
           .own = AddProxyKey,
           .make = MakeProxy,
           .load = LoadProxy,

@@ -28,7 +28,7 @@ bool IsSource(const std::string& folder) {
 }  // namespace
 
 SevaFiles FindSevaFiles() {
-  return {{RequireWeights(kSevaModels[0])}, RequireWeights(kSevaModels[1]), RequireWeights(kSevaModels[2])};
+  return {{RequireWeights("seva")}, RequireWeights("sd21-vae"), RequireWeights("openclip-vith14")};
 }
 
 std::string SevaKey(const SevaOptions& options) {

@@ -14,7 +14,7 @@ void RequireLayers(const RunOptions& options, const VggtWeights& weights) {
 }  // namespace
 
 bool ProposesViews(const RunOptions& options) {
-  return options.propose.Choice() != ProposerChoice::kNone && options.trajectory.proposals != 0 &&
+  return !options.propose.Words().empty() && options.trajectory.proposals != 0 &&
          options.train.schedule != ScheduleKind::kNone;
 }
 
@@ -70,8 +70,10 @@ Plan MakePlan(const RunOptions& options, bool has_poses) {
     plan.poses = RequireVggtWeights(options.weights.vggt_weights, "--poses vggt");
     RequireNetworksLibrary("--poses vggt");
   }
-  if (plan.Uses(options, ProposerChoice::kSeva)) {
-    RequireNetworksLibrary("--proposers " + Word(options.propose.Choice()));
+  for (const KnownProposer& known : KnownProposers()) {
+    if (!known.networks.empty() && plan.Uses(options, known.word)) {
+      RequireNetworksLibrary(fmt::format("--proposers {}", known.word));
+    }
   }
   return plan;
 }
