@@ -68,7 +68,7 @@ struct Between {
     share = static_cast<float>(at - low);
   }
   int low, high;
-  float share;  ///< of `high`
+  float share;  ///< weight of `high`
 };
 
 /// Bilinear; kChannels = 0 stands for any number.

@@ -10,7 +10,7 @@ enum class DeviceKind : uint8_t { kCpu, kCuda };
 /// Where numbers lie and who computes with them: the host, or one NVIDIA GPU.
 struct Device {
   DeviceKind kind = DeviceKind::kCpu;
-  int index = 0;  ///< of the GPU, from 0
+  int index = 0;  ///< number of the GPU, from 0
 
   bool is_cpu() const { return kind == DeviceKind::kCpu; }
   bool is_cuda() const { return kind == DeviceKind::kCuda; }

@@ -10,7 +10,7 @@ namespace oraclegs {
 
 struct MappedFile {
   std::string_view bytes;             ///< valid as long as `owner` lives
-  std::shared_ptr<const void> owner;  ///< of the memory, which nobody writes to
+  std::shared_ptr<const void> owner;  ///< holds the memory, which nobody writes to
 };
 
 /// Throws InputError naming `path` when it cannot be opened or read, is not a regular file, is empty or cannot be

@@ -13,7 +13,7 @@ namespace oraclegs {
 /// True when the bytes begin like a PNG.
 bool IsPng(std::string_view bytes);
 
-inline constexpr size_t kPngHeaderBytes = 33;  ///< of a PNG, up to the checksum of its first chunk
+inline constexpr size_t kPngHeaderBytes = 33;  ///< bytes up to the checksum of the first chunk
 
 /// Bits of a pixel of a PNG of one gray channel, from its header; 0 for all other bytes, a palette's, too.
 int PngGrayBits(std::string_view head);

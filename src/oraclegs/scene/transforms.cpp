@@ -36,7 +36,7 @@ fs::path FindImage(const fs::path& root, const SceneReadOptions& options, const 
 struct FileViews {
   std::vector<SceneView> views;
   std::vector<std::string> missing_masks;
-  std::vector<double> roundings;  ///< of each view that has an image, as ReadTransformsPose returns it
+  std::vector<double> roundings;  ///< roundings by ReadTransformsPose, of each view with an image
 };
 
 SceneView MakeView(const TransformsFrame& frame, const std::string& written, const NamedFile& image,

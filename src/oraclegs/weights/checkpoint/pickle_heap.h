@@ -30,7 +30,7 @@ struct PickleStoragePart {
 /// Sizes are not negative; whether it lies within its storage is not known yet.
 struct PickleTensor {
   static constexpr size_t kNoPart = ~size_t{0};
-  size_t part = kNoPart;  ///< of a storage
+  size_t part = kNoPart;  ///< index of a PickleStoragePart
   ElementType element;
   int64_t offset = 0;  ///< elements, as the strides
   std::vector<int64_t> shape, strides;
