@@ -150,27 +150,27 @@ Scene ReadTransformsScene(const fs::path& root, const SceneReadOptions& options,
 }
 
 Scene ReadBlenderScene(const fs::path& root, const SceneReadOptions& options, const Listener& listener) {
-  struct Part {
+  struct SplitFile {
     const char* file;
     DeclaredRole role;
   };
-  constexpr Part kParts[] = {{"transforms_train.json", DeclaredRole::kTrain},
-                             {"transforms_test.json", DeclaredRole::kTest},
-                             {"transforms_val.json", DeclaredRole::kVal}};
+  constexpr SplitFile kSplitFiles[] = {{"transforms_train.json", DeclaredRole::kTrain},
+                                       {"transforms_test.json", DeclaredRole::kTest},
+                                       {"transforms_val.json", DeclaredRole::kVal}};
   std::vector<SceneView> views;
   std::set<std::string> names;
-  for (const Part& part : kParts) {
-    const fs::path path = root / part.file;
-    if (part.role != DeclaredRole::kTrain && !IsFile(path)) {
-      if (part.role == DeclaredRole::kTest) {
+  for (const SplitFile& split : kSplitFiles) {
+    const fs::path path = root / split.file;
+    if (split.role != DeclaredRole::kTrain && !IsFile(path)) {
+      if (split.role == DeclaredRole::kTest) {
         listener(Warning{fmt::format("{}: has no transforms_test.json, so no view is held out", root.string())});
       }
       continue;
     }
     for (SceneView& view : ReadViews(path, kBlenderParts, options, listener)) {
-      view.role = part.role;
+      view.role = split.role;
       const bool is_new = names.insert(view.name).second;
-      if (is_new || part.role != DeclaredRole::kVal) views.push_back(std::move(view));
+      if (is_new || split.role != DeclaredRole::kVal) views.push_back(std::move(view));
     }
   }
   Scene scene;
