@@ -144,7 +144,7 @@ class ProxyTrainer {
 int Count(const Run& run) { return ProxyCount(run.options.propose, static_cast<int>(run.split.train.size())); }
 
 /// Name of model k's record in stages.json.
-std::string PartName(int k) { return fmt::format("proxy {}", k); }
+std::string RecordName(int k) { return fmt::format("proxy {}", k); }
 
 /// Files of model k, relative to the workspace: before it was trained with all views, and after.
 std::vector<std::string> FilesOf(int k) {
@@ -171,7 +171,7 @@ ProxyModel ReadProxy(const Run& run, int k) {
 
 /// Whether model k was made from inputs of this key, and can be read.
 bool HasProxy(const Run& run, int k, const std::string& key) {
-  if (!run.workspace.IsDone(PartName(k), key)) return false;
+  if (!run.workspace.IsDone(RecordName(k), key)) return false;
   try {
     ReadProxy(run, k);
     return true;
@@ -194,18 +194,18 @@ std::optional<nlohmann::json> MakeProxy(Run* run, const std::string& key) {
   const ProxyTrainer trainer(run);
   std::vector<std::string> all;
   for (int k = 0; k < n; ++k) {
-    const std::string part = PartName(k);
+    const std::string record = RecordName(k);
     const std::vector<std::string> files = FilesOf(k);
     all.insert(all.end(), files.begin(), files.end());
     if (HasProxy(*run, k, key)) continue;
-    run->workspace.MarkUndone(part);
+    run->workspace.MarkUndone(record);
     const int64_t each = trainer.iterations();
     if (!trainer.Train(k, HeldOutViews(views, n, k),
                        {run->workspace.root() / files[0], run->workspace.root() / files[1]},
                        AsProxies(run->listener, k * each, n * each))) {
       return std::nullopt;
     }
-    run->workspace.MarkDone(part, {{"key", key}, {"files", files}});
+    run->workspace.MarkDone(record, {{"key", key}, {"files", files}});
   }
   LoadProxy(run);
   return nlohmann::json{{"models", n}, {"files", all}};
