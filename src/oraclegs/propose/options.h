@@ -14,7 +14,7 @@ namespace oraclegs {
 inline constexpr const char *kProxiesWord = "proxies", *kWarpWord = "warp", *kCommandWord = "command",
                             *kNoneWord = "none";
 
-/// What options, help and settings know of a proposer; its row (stages/proposer_row.h) has the rest.
+/// A proposer as options, help and settings know it; its row (stages/proposer_row.h) has the rest.
 struct KnownProposer {
   const char* word;  ///< word of --proposers; sources of its proposals, and their folders, begin with it
   const char* what;  ///< for the help
