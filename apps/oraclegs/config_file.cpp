@@ -33,7 +33,7 @@ bool HasOpenQuote(const std::string& value) {
 
 /// Options of a command, and a file that sets them.
 struct Source {
-  std::string name;  ///< of the file, for messages
+  std::string name;  ///< name of the file, for messages
   std::string command;
   OptionTable* options;
 };

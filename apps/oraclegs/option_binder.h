@@ -29,11 +29,12 @@ class OptionBinder {
     info.name = name;
     info.group = group_;
     info.help = help;
-    info.words = WordsOf<T>();
-    info.values = WordsText(info.words) + AutoText<T>() + BoundsText(RangeIn(rest...)) + DefaultText(value);
+    info.words = WordsOf<T>(rest...);
+    info.values = WordsText(info.words) + (info.words.empty() ? AutoText<T>() : "") + BoundsText(RangeIn(rest...)) +
+                  DefaultText(value);
     const bool none = info.values.ends_with("not given by default") || info.values.ends_with("default off");
     if (!none) info.usual = DefaultText(value);
-    info.value = ValueName<T>();
+    info.value = WordsIn(rest...).empty() ? ValueName<T>() : "WORDS";
     info.letter = LetterOf(info.name);
     if constexpr (std::is_same_v<T, bool>) info.negatable = true, info.default_on = value;
     TableOption& option = table_->Add(name, &value, rest...);
@@ -61,7 +62,7 @@ class OptionBinder {
   }
   template <class T>
   static std::string AutoText() {
-    if constexpr (kIsAuto<T>) return std::is_enum_v<typename T::Value> ? "" : "auto or ";
+    if constexpr (kIsAuto<T>) return "auto or ";
     return "";
   }
 

@@ -110,7 +110,7 @@ TEST(ControlDensity, RemovesTheTransparentAndLaterTheLarge) {
   EXPECT_EQ(late_adam.m.size(), 1);
 }
 
-TEST(ControlDensity, LeavesTheFaintAndSplitsTheLonelyWhereAsked) {
+TEST(ControlDensity, LeavesTheFaintAndSplitsTheIsolatedWhereAsked) {
   const std::vector<float> pulled = {0.0003f, 0.0003f, 0, 0};
   const auto grow = [&](const DensityControl& control) {
     Gaussians g = Row(4, 2);  // 10 apart: mean squared distances from 200 on
@@ -122,8 +122,8 @@ TEST(ControlDensity, LeavesTheFaintAndSplitsTheLonelyWhereAsked) {
   EXPECT_EQ(grow(control).split, 2);
   control.opacity_to_grow = 0.1;
   EXPECT_EQ(grow(control).split, 1);
-  control.splits_lonely = true;
-  EXPECT_EQ(grow(control).split, 4) << "all are lonely in a scene of extent 1, the faint one as well";
+  control.splits_isolated = true;
+  EXPECT_EQ(grow(control).split, 4) << "all are isolated in a scene of extent 1, the faint one as well";
   control.extent = 2.5;
   EXPECT_EQ(grow(control).split, 1) << "none is larger than the extent";
   control.least_opacity = 0.06;

@@ -159,9 +159,9 @@ TEST(TwoFields, RemoveWhatOnlyOneHas) {
   fields.BeforeView({}, &model, &grads);                                      // the second model stands near the start
   for (int64_t i = 0; i < 3; ++i) model.gaussians.means[3 * (7 + i)] += 100;  // which leaves three of it alone
   const Buffer<float> next = model.gaussians.means.Rows(10, 11).Clone();
-  int64_t lonely = 0;
-  for (const uint8_t keep : CoPruneKeep(fields.second(), model.gaussians, 0.02)) lonely += keep == 0 ? 1 : 0;
-  EXPECT_GT(lonely, 0);
+  int64_t isolated = 0;
+  for (const uint8_t keep : CoPruneKeep(fields.second(), model.gaussians, 0.02)) isolated += keep == 0 ? 1 : 0;
+  EXPECT_GT(isolated, 0);
   Iteration iteration;
   for (const int64_t other : {500, 511}) {
     iteration.number = other;
@@ -173,7 +173,7 @@ TEST(TwoFields, RemoveWhatOnlyOneHas) {
   EXPECT_EQ(model.gaussians.size(), n - 3);
   EXPECT_EQ(model.adam.m.size(), n - 3);
   EXPECT_TRUE(Equal(model.gaussians.means.Rows(7, 8), next));
-  EXPECT_EQ(fields.second().size(), n - lonely) << "both are compared before either loses anything";
+  EXPECT_EQ(fields.second().size(), n - isolated) << "both are compared before either loses anything";
   EXPECT_NO_THROW(fields.BeforeView(iteration, &model, &grads)) << "the second model goes on";
 }
 

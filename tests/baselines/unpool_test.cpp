@@ -8,10 +8,10 @@ namespace oraclegs {
 namespace {
 
 /// A tight group of four at the origin, and one at (x, 0, 0) whose three nearest are of the group.
-struct Lonely {
+struct Isolated {
   Gaussians gaussians = RandomGaussians(5, 1);
 
-  explicit Lonely(float x) {
+  explicit Isolated(float x) {
     const std::vector<float> means = {0, 0, 0, 1, 0, 0, 0.5f, 0.25f, 0, -9, 0, 0, x, 0, 0};
     std::copy(means.begin(), means.end(), gaussians.means.data());
   }
@@ -23,21 +23,21 @@ struct Lonely {
 /// Mean squared distances: 240.4 for the one at x = 16, 90.4 for the one at -9, less than 34 for the others.
 ProximityLimits Above(double threshold) { return {threshold, 0}; }
 
-TEST(LonelyGaussians, AreLargeAndFarFromTheOthers) {
-  Lonely scene(16);
+TEST(IsolatedGaussians, AreLargeAndFarFromTheOthers) {
+  Isolated scene(16);
   const auto set_scale = [&](int64_t row, float scale) {
     std::fill_n(scene.gaussians.log_scales.data() + 3 * row, 3, std::log(scale));
   };
   for (int64_t row = 0; row < 5; ++row) set_scale(row, 2);
-  EXPECT_EQ(LonelyGaussians({80, 1}, scene.gaussians), (std::vector<int64_t>{4, 3})) << "the loneliest first";
-  EXPECT_EQ(LonelyGaussians({100, 1}, scene.gaussians), (std::vector<int64_t>{4}));
+  EXPECT_EQ(IsolatedGaussians({80, 1}, scene.gaussians), (std::vector<int64_t>{4, 3})) << "the loneliest first";
+  EXPECT_EQ(IsolatedGaussians({100, 1}, scene.gaussians), (std::vector<int64_t>{4}));
   set_scale(4, 0.5f);
-  EXPECT_EQ(LonelyGaussians({80, 1}, scene.gaussians), (std::vector<int64_t>{3}));
-  EXPECT_TRUE(LonelyGaussians({80, 3}, scene.gaussians).empty());
+  EXPECT_EQ(IsolatedGaussians({80, 1}, scene.gaussians), (std::vector<int64_t>{3}));
+  EXPECT_TRUE(IsolatedGaussians({80, 3}, scene.gaussians).empty());
 }
 
 TEST(UnpoolGaussians, AddsTheMiddleOfEachEdge) {
-  Lonely scene(16);
+  Isolated scene(16);
   const Gaussians before = scene.gaussians.Clone();
   ASSERT_EQ(scene.Unpool(Above(144)), 3);
   const Gaussians& g = scene.gaussians;
@@ -56,8 +56,8 @@ TEST(UnpoolGaussians, AddsTheMiddleOfEachEdge) {
 }
 
 TEST(UnpoolGaussians, LeavesTheOthers) {
-  Lonely scene(16);
-  const Lonely before(16);
+  Isolated scene(16);
+  const Isolated before(16);
   scene.Unpool(Above(144));
   const auto a = Tensors(scene.gaussians), b = Tensors(before.gaussians);
   for (size_t t = 0; t < a.size(); ++t) EXPECT_TRUE(SameBytes(a[t].Rows(0, 5), b[t]));
@@ -65,7 +65,7 @@ TEST(UnpoolGaussians, LeavesTheOthers) {
 
 TEST(UnpoolGaussians, ComparesTheScoreAndSize) {
   const auto added = [](double extent, float log_scale) {
-    Lonely scene(16);
+    Isolated scene(16);
     Flat(scene.gaussians.log_scales).setConstant(-20);
     scene.gaussians.log_scales[3 * 4 + 1] = log_scale;
     return scene.Unpool(ProximityLimits::Unpool(extent));
@@ -77,7 +77,7 @@ TEST(UnpoolGaussians, ComparesTheScoreAndSize) {
 }
 
 TEST(UnpoolGaussians, StopsAtTheLimit) {
-  Lonely scene(16);
+  Isolated scene(16);
   EXPECT_EQ(scene.Unpool(Above(50), 9), 4);  // of 6: those of the largest score first
   EXPECT_EQ(scene.gaussians.means[3 * 5], 8.5f);
   EXPECT_EQ(scene.gaussians.means[3 * 8], -4.5f);  // between -9 and its nearest, 0

@@ -22,6 +22,7 @@ struct PaintOptions {
   int coats = 2;
   bool primer = false;
   Auto<Finish> finish = {};
+  Auto<std::string> walls = {};
   double share = 0.5;
 
   template <class Self, class V>
@@ -29,6 +30,7 @@ struct PaintOptions {
     visit("coats", self.coats, "Coats of paint", Range{1, 5});
     visit("primer", self.primer, "Prime first");
     visit("finish", self.finish, "Look of the last coat");
+    visit("walls", self.walls, "Walls to paint", WordList{{"north", "south"}});
     visit("share", self.share, "Share of the walls", Range{0, 1}, Tier::kSetting);
   }
 };
@@ -37,7 +39,7 @@ TEST(OptionTable, SetsFieldsFromTextsAndJson) {
   PaintOptions paint;
   OptionTable table;
   table.AddAll(&paint);
-  EXPECT_THAT(table.Names(), testing::ElementsAre("coats", "primer", "finish", "share"));
+  EXPECT_THAT(table.Names(), testing::ElementsAre("coats", "primer", "finish", "walls", "share"));
   EXPECT_FALSE(table.IsGiven("coats"));
   table.Find("coats")->Set(std::string("3"));
   table.Find("primer")->Set(json(true));
@@ -50,6 +52,14 @@ TEST(OptionTable, SetsFieldsFromTextsAndJson) {
   EXPECT_TRUE(table.IsGiven("coats"));
   EXPECT_FALSE(table.IsGiven("color"));
   EXPECT_EQ(table.Find("color"), nullptr);
+}
+
+TEST(WordsOf, AreThoseOfTheTypeOrOfTheDeclaration) {
+  using testing::ElementsAre;
+  EXPECT_THAT(WordsOf<Auto<Finish>>(), ElementsAre("auto", "matte", "glossy"));
+  EXPECT_THAT((WordsOf<Auto<std::string>>(Tier::kFlag, WordList{{"north", "south"}})),
+              ElementsAre("auto", "north", "south"));
+  EXPECT_THAT(WordsOf<std::string>(Tier::kFlag), testing::IsEmpty());
 }
 
 TEST(OptionTable, TellsFlagsFromSettings) {

@@ -52,9 +52,9 @@ class Generator(ManyViews):
     def test_it_takes_part_beside_the_other_proposers(self):
         out = self.dir / "beside"
         generator = STAND_IN + ' "$ORACLEGS_REQUEST" "$ORACLEGS_ANSWER"'
-        self.run_program("propose", self.scene, "-o", out, *RUN, "--proposers", "both", "--generator", generator)
+        self.run_program("propose", self.scene, "-o", out, *RUN, "--proposers", "proxies,warp", "--generator", generator)
         for frame in self.frames(out):
-            for folder in ("warp", "splat", "command"):
+            for folder in ("warp", "proxies", "command"):
                 self.assertTrue((out / "proposals" / folder / frame["file_path"]).is_file(), folder)
 
     def test_what_goes_wrong_is_one_line_that_says_how_to_fix_it(self):

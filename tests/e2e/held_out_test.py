@@ -10,7 +10,7 @@ from harness import EndToEnd, command, main
 
 TRAIN, TEST = range(0, 20, 2), range(1, 20, 4)  # the other five stay for proposals
 RUN = ["--iterations", 40, "--max-gaussians", 1500, "--set", "refine-start=10", "--set", "refine-every=10", "--set", "stereo-iterations=3",
-       "--set", "stereo-passes=1", "--proposers", "both", "--proposals", 4, "--threads", 2]  # fmt: skip
+       "--set", "stereo-passes=1", "--proposers", "proxies,warp", "--proposals", 4, "--threads", 2]  # fmt: skip
 
 
 def world_to_camera(frame):

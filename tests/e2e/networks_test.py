@@ -100,11 +100,11 @@ class Networks(ManyViews):
         out = self.dir / "fallback"
         arguments = ["reconstruct", self.scene, "-o", out, "--preset", "best-mipnerf360-24", *SMALL, "--allow-fallback"]
         done = self.run_program(*arguments)
-        for instead in ("--proposers splat", "--oracle consistency", "--depth-prior stereo", "L1 and SSIM"):
+        for instead in ("--proposers proxies", "--oracle consistency", "--depth-prior stereo", "L1 and SSIM"):
             self.assertRegex(done.stderr, f"are not here; {instead}.* instead")
         self.assertEqual(json.loads((out / "metrics.json").read_text())["non_commercial"], [])
         options = json.loads((out / "options.json").read_text())["options"]
-        self.assertEqual((options["proposers"], options["oracle"]), ("splat", "consistency"))
+        self.assertEqual((options["proposers"], options["oracle"]), ("proxies", "consistency"))
         self.run_program("evaluate", out)
 
     def test_without_the_library_networks_are_refused_and_the_rest_works(self):

@@ -24,7 +24,7 @@ class Propose(ManyViews):
             name = frame["file_path"].removesuffix(".png")
             self.assertNotIn(name, used)
             self.assertRegex(proposed, rf"(?m)^{name} +mean confidence [0-9.]+$")
-            for folder in ("proposals", "proposals/splat", "confidence", "confidence/preview"):
+            for folder in ("proposals", "proposals/proxies", "confidence", "confidence/preview"):
                 self.assertTrue((out / folder / f"{name}.png").is_file(), folder)
         before = files_below(out / "proposals") | files_below(out / "confidence")
         self.run_program("reconstruct", self.scene, "-o", out, *RUN)

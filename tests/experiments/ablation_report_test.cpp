@@ -38,14 +38,14 @@ Ablation Example() {
   return a;
 }
 
-TEST(SpreadOf, IsMeanAndSampleDeviation) {
-  EXPECT_FALSE(SpreadOf(std::vector<double>{}));
-  EXPECT_EQ(SpreadOf({7.0})->mean, 7);
-  EXPECT_FALSE(SpreadOf({7.0})->deviation) << "one value says nothing of the deviation";
-  const auto spread = SpreadOf({1.0, 2.0, 6.0});
-  EXPECT_DOUBLE_EQ(spread->mean, 3);
-  EXPECT_DOUBLE_EQ(*spread->deviation, std::sqrt(7.0));
-  EXPECT_EQ(spread->count, 3u);
+TEST(StatisticOf, IsMeanAndSampleDeviation) {
+  EXPECT_FALSE(StatisticOf(std::vector<double>{}));
+  EXPECT_EQ(StatisticOf({7.0})->mean, 7);
+  EXPECT_FALSE(StatisticOf({7.0})->deviation) << "one value says nothing of the deviation";
+  const auto statistic = StatisticOf({1.0, 2.0, 6.0});
+  EXPECT_DOUBLE_EQ(statistic->mean, 3);
+  EXPECT_DOUBLE_EQ(*statistic->deviation, std::sqrt(7.0));
+  EXPECT_EQ(statistic->count, 3u);
 }
 
 TEST(GainOf, ComparesSeedBySeedWithTheNearestRowThatHasScores) {

@@ -30,7 +30,7 @@ TEST(AblationRows, EndWithTheProgramAsItIs) {
   RunOptions asked;
   asked.split.views = 12;
   asked.start = {SfmPoints::kModel, StartKind::kHybrid, 0.7, 0.1, false, 3};
-  asked.propose.proposers = ProposerChoice::kSplat, asked.propose.proposal_folder = "/somewhere";
+  asked.propose.proposers = std::string("proxies"), asked.propose.proposal_folder = "/somewhere";
   asked.validate.pick = PickRule::kPixel;
   asked.train.iterations = 100, asked.train.depth_weight = 2, asked.train.dropout = 0.1,
   asked.train.exposure = ExposureMode::kOn;
@@ -44,7 +44,7 @@ TEST(AblationRows, BeginWithMcmcAlone) {
   asked.train.prune_floaters = true, asked.propose.proposal_folder = "/somewhere";
   const RunOptions first = RowOptions(0, asked);
   EXPECT_EQ(first.start.init, StartKind::kRandomCube);
-  EXPECT_EQ(first.propose.proposers, ProposerChoice::kNone);
+  EXPECT_EQ(first.propose.proposers, std::string("none"));
   EXPECT_TRUE(first.propose.proposal_folder.empty());
   const AutoTrainOptions& t = first.train;
   EXPECT_EQ(t.depth_weight + t.alpha_weight + t.proposal_lpips, 0);
@@ -66,7 +66,7 @@ TEST(AblationRows, BeginWithThePapersInItsOrder) {
   EXPECT_THAT(names, ElementsAre("mcmc", "union", "schedule", "lpips", "sfm", "depth", "confidence"));
   RunOptions paper;
   paper.validate.calibrate = false, paper.start.init = StartKind::kSfm, paper.start.init_scale = 0.1,
-  paper.propose.proposers = ProposerChoice::kSeva;
+  paper.propose.proposers = std::string("seva");
   AutoTrainOptions& t = paper.train;
   t.schedule = ScheduleKind::kPaper, t.exposure = ExposureMode::kOff;
   t.dropout = 0, t.opacity_noise = 0, t.last_rates = 1, t.largest_scale = 0, t.alpha_weight = 0;
@@ -87,18 +87,18 @@ TEST(AblationRows, UseLpipsFromItsRowOn) {
 }
 
 TEST(AblationRows, TakeTheGeneratorThatIsAskedFor) {
-  const auto proposer = [](ProposerChoice choice) {
+  const auto proposer = [](const std::string& choice) {
     RunOptions asked;
     asked.propose.proposers = choice;
     EXPECT_EQ(RowOptions(10, asked).propose.proposers, choice);
     return RowOptions(1, asked).propose.proposers;
   };
-  EXPECT_EQ(proposer(ProposerChoice::kSplat), ProposerChoice::kWarp);
-  EXPECT_EQ(proposer(ProposerChoice::kBoth), ProposerChoice::kWarp);
-  EXPECT_EQ(proposer(ProposerChoice::kWarp), ProposerChoice::kWarp);
-  EXPECT_EQ(proposer(ProposerChoice::kSeva), ProposerChoice::kSeva);
-  EXPECT_EQ(proposer(ProposerChoice::kAll), ProposerChoice::kSeva);
-  EXPECT_EQ(proposer(ProposerChoice::kNone), ProposerChoice::kNone) << "a folder alone";
+  EXPECT_EQ(proposer("proxies"), std::string("warp"));
+  EXPECT_EQ(proposer("proxies,warp"), std::string("warp"));
+  EXPECT_EQ(proposer("warp"), std::string("warp"));
+  EXPECT_EQ(proposer("seva"), std::string("seva"));
+  EXPECT_EQ(proposer("proxies,warp,seva"), std::string("seva"));
+  EXPECT_EQ(proposer("none"), std::string("none")) << "a folder alone";
 }
 
 TEST(AblationRows, CalibrateTheOracleInARowOfItsOwn) {
@@ -116,8 +116,8 @@ TEST(AblationRows, LeaveOffWhatTheUserSwitchedOff) {
   asked.validate.oracle = OracleKind::kUniform;
   EXPECT_EQ(Shaping(6, asked), Shaping(5, asked)) << "nobody to trust";
   EXPECT_EQ(Shaping(9, asked), Shaping(8, asked)) << "nothing to calibrate";
-  asked.propose.proposers = ProposerChoice::kNone, asked.propose.proposal_folder = "/somewhere";
-  EXPECT_EQ(RowOptions(1, asked).propose.proposers, ProposerChoice::kNone);
+  asked.propose.proposers = std::string("none"), asked.propose.proposal_folder = "/somewhere";
+  EXPECT_EQ(RowOptions(1, asked).propose.proposers, std::string("none"));
   EXPECT_EQ(RowOptions(1, asked).propose.proposal_folder, "/somewhere");
 }
 
@@ -127,9 +127,9 @@ TEST(AblationRows, AskAGeneratorAloneBeforeTheProxyModels) {
   EXPECT_EQ(RowOptions(0, asked).propose.generator, "");
   for (const size_t row : {1, 9}) {
     EXPECT_EQ(RowOptions(row, asked).propose.generator, "generate");
-    EXPECT_EQ(RowOptions(row, asked).propose.proposers, ProposerChoice::kCommand);
+    EXPECT_EQ(RowOptions(row, asked).propose.proposers, std::string("command"));
   }
-  EXPECT_EQ(RowOptions(10, asked).propose.Choice(), ProposerChoice::kSplat);
+  EXPECT_THAT(RowOptions(10, asked).propose.Words(), ElementsAre("proxies", "command"));
 }
 
 TEST(ChooseRows, ByNumberAndName) {
@@ -145,7 +145,7 @@ TEST(ChooseRows, ByNumberAndName) {
 TEST(RequireAblatable, RefusesOptionsThatContradictTheRows) {
   RequireAblatable({});
   RunOptions options;
-  options.propose.proposers = ProposerChoice::kNone;
+  options.propose.proposers = std::string("none");
   EXPECT_THAT(MessageOf<UsageError>([&] { RequireAblatable(options); }), HasSubstr("--proposers none"));
   options.propose.proposal_folder = "/somewhere";
   RequireAblatable(options);

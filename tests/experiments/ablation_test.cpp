@@ -152,7 +152,7 @@ TEST_F(AblationTest, RefusesBadFoldersAndOptions) {
   EXPECT_FALSE(fs::exists(missing.run.out)) << "a scene that cannot be read leaves nothing behind";
   EXPECT_THROW(RunAblation(Ask("usage", "", 0), Silent()), UsageError);
   AblationRequest nothing = Ask("usage", "");
-  nothing.run.options.propose.proposers = ProposerChoice::kNone;
+  nothing.run.options.propose.proposers = std::string("none");
   EXPECT_THROW(RunAblation(nothing, Silent()), UsageError);
   EXPECT_FALSE(fs::exists(nothing.run.out));
 }

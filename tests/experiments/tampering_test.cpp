@@ -20,7 +20,7 @@ class TamperingTest : public ProposingTest {
   static AblationRequest Ask(const std::string& out, const std::string& shares) {
     AblationRequest request{Request(out), {1, "", AblationSuite::kTampering, shares}, "oraclegs ablate scene -o out"};
     request.run.options.train.iterations = 60;
-    request.run.options.propose.proposers = ProposerChoice::kSplat, request.run.options.propose.proxy_models = 2;
+    request.run.options.propose.proposers = std::string("proxies"), request.run.options.propose.proxy_models = 2;
     return request;
   }
 };
@@ -87,7 +87,7 @@ TEST_F(TamperingTest, RefusesContradictingOptions) {
   };
   EXPECT_THAT(refusal([](AblationRequest* r) { r->options.rows = "mcmc"; }), HasSubstr("--rows"));
   EXPECT_THAT(refusal([](AblationRequest* r) { r->options.shares = "30,x"; }), HasSubstr("--shares names 'x'"));
-  EXPECT_THAT(refusal([](AblationRequest* r) { r->run.options.propose.proposers = ProposerChoice::kWarp; }),
+  EXPECT_THAT(refusal([](AblationRequest* r) { r->run.options.propose.proposers = std::string("warp"); }),
               HasSubstr("--proposers"));
   EXPECT_THAT(refusal([](AblationRequest* r) { r->run.options.validate.oracle = OracleKind::kUniform; }),
               HasSubstr("--oracle uniform"));

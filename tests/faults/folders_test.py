@@ -138,13 +138,13 @@ class Folders(unittest.TestCase):
 
     def test_files_of_the_run_that_are_cut_heal(self):
         redone = STAGES[STAGES.index("validate") :]
-        patterns = ["proposals/proxies/*.ply", "depth/001.png", "metrics.json", "depth/depth_params.json", "sfm/dense.ply",
+        patterns = ["proposals/proxy_models/*.ply", "depth/001.png", "metrics.json", "depth/depth_params.json", "sfm/dense.ply",
                     "point_cloud.ply", "frame.json", "split.json", "depth/confidence/001.png", "report/run.json",
                     "sfm/training_views/sparse/0/points3D.txt", "live/state.json", "train.csv",
                     "confidence/coverage_0000.png", "confidence/transforms.json"]  # fmt: skip
         for pattern in some(patterns, 3):
             with self.subTest(pattern):
-                self.copy_finished(["proxies", *redone] if "proxies" in pattern else redone)
+                self.copy_finished(["proxies", *redone] if "proxy_models" in pattern else redone)
                 self.cut(pattern)
                 self.check_mended()
         files = ["confidence/transforms.json", "proposals/coverage_0000.png", "confidence/coverage_0000.png"]

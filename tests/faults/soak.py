@@ -57,7 +57,7 @@ def choose(numbers):
     scene = ["--demo-views", numbers.randrange(6, 11), "--width", width, "--height", width * 3 // 4, "--samples", 1]
     options = ["--seed", numbers.randrange(1000), "--iterations", numbers.randrange(20, 200),
                "--quality", numbers.choice(["draft", "normal", "high"]),
-               "--proposers", numbers.choice(["none", "warp", "splat", "both"]),
+               "--proposers", numbers.choice(["none", "warp", "proxies", "proxies,warp"]),
                "--proposals", numbers.randrange(1, 6), "--test-every", numbers.choice([0, 3, 4]),
                "--init", numbers.choice(["auto", "dense", "sfm", "random"]), "--set", f"sh-degree={numbers.randrange(4)}",
                "--max-gaussians", numbers.randrange(500, 3000), "--set", "random-points=1000",

@@ -44,28 +44,28 @@ TEST(Axis, IsAUnitVector) {
   }
 }
 
-TEST(LonelyGaussians, AreSmallAndFarFromAllOthers) {
+TEST(OutlierGaussians, AreSmallAndFarFromAllOthers) {
   Gaussians g = Gaussians::Zeros(1003);
   Flat(g.means) = Flat(RandomNormal({1003, 3}, 1));
   Flat(g.log_scales) = -4;
   for (int c = 0; c < 3; ++c) {
-    g.means[c] = 100;      // small: lonely
+    g.means[c] = 100;      // small: outlier
     g.means[3 + c] = -80;  // as large as its distance: background
     g.log_scales[3 + c] = 5;
   }
-  const std::vector<bool> lonely = LonelyGaussians(g);
-  EXPECT_TRUE(lonely[0]);
-  EXPECT_FALSE(lonely[1]);
-  EXPECT_LT(std::count(lonely.begin(), lonely.end(), true), 20);
+  const std::vector<bool> outlier = OutlierGaussians(g);
+  EXPECT_TRUE(outlier[0]);
+  EXPECT_FALSE(outlier[1]);
+  EXPECT_LT(std::count(outlier.begin(), outlier.end(), true), 20);
 }
 
-TEST(LonelyGaussians, AreNoneAmongFewOrEven) {
-  EXPECT_THAT(LonelyGaussians(Gaussians::Zeros(1)), testing::ElementsAre(false));
-  EXPECT_THAT(LonelyGaussians(Gaussians::Zeros(3)), testing::Each(false));
+TEST(OutlierGaussians, AreNoneAmongFewOrEven) {
+  EXPECT_THAT(OutlierGaussians(Gaussians::Zeros(1)), testing::ElementsAre(false));
+  EXPECT_THAT(OutlierGaussians(Gaussians::Zeros(3)), testing::Each(false));
   Gaussians row = Gaussians::Zeros(50);
   Flat(row.log_scales) = -9;
   for (int i = 0; i < 50; ++i) row.means[3 * i] = static_cast<float>(i);
-  EXPECT_THAT(LonelyGaussians(row), testing::Each(false));
+  EXPECT_THAT(OutlierGaussians(row), testing::Each(false));
 }
 
 TEST(TurnBetween, TakesOneDirectionToTheOther) {

@@ -36,7 +36,7 @@ EnsembleProposer ProposerOf(const std::vector<float>& reds) {
 TEST(EnsembleProposer, GivesMeanAndSpread) {
   const auto proposal = ProposerOf({0.4f, 0.6f}).Propose(Front(), std::nullopt);
   ASSERT_TRUE(proposal.has_value());
-  EXPECT_EQ(proposal->source, "splat");
+  EXPECT_EQ(proposal->source, "proxies");
   const size_t middle = 3 * 8 + 4;
   EXPECT_NEAR(proposal->rgb.data[3 * middle], 0.5f, 0.02f);
   EXPECT_NEAR(proposal->spread[middle], 0.1f / std::sqrt(3.f), 0.01f);

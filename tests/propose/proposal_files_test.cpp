@@ -64,8 +64,8 @@ TEST_F(ProposalFilesTest, WritesReadableTransforms) {
 }
 
 TEST_F(ProposalFilesTest, NamesCandidatesBySource) {
-  EXPECT_THAT(WriteProposals(dir_.path(), {Gray("a", "warp", 0), Gray("a", "splat", 0), Gray("a", "splat", 0)}),
-              ElementsAre("a_warp.png", "a_splat.png", "a_splat_2.png", "transforms.json"));
+  EXPECT_THAT(WriteProposals(dir_.path(), {Gray("a", "warp", 0), Gray("a", "proxies", 0), Gray("a", "proxies", 0)}),
+              ElementsAre("a_warp.png", "a_proxies.png", "a_proxies_2.png", "transforms.json"));
 }
 
 TEST_F(ProposalFilesTest, RefusesWrongImageSize) {

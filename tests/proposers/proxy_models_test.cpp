@@ -23,9 +23,9 @@ TEST_F(ProxyModelsTest, HoldOutEachViewOnceAndAreReadBack) {
   EXPECT_EQ(options.schedule, ScheduleKind::kNone);
   ASSERT_EQ(first.size(), 3u);
   EXPECT_FALSE(ProxiesAlonePropose(run)) << "beside warps";
-  run.options.propose.proposers = ProposerChoice::kSplat;
+  run.options.propose.proposers = std::string("proxies");
   EXPECT_TRUE(ProxiesAlonePropose(run));
-  run.options.propose.proposers = ProposerChoice::kBoth;
+  run.options.propose.proposers = std::string("proxies,warp");
   EXPECT_EQ(first[0].held_out, (std::vector<int>{0, 3, 6, 9}));
   EXPECT_EQ(first[1].held_out, (std::vector<int>{1, 4, 7, 10}));
   EXPECT_FALSE(Equal(first[0].gaussians.means, first[1].gaussians.means));
@@ -43,9 +43,9 @@ TEST_F(ProxyModelsTest, HoldOutEachViewOnceAndAreReadBack) {
   EXPECT_TRUE(Equal(again[1].gaussians.means, first[1].gaussians.means));
   EXPECT_TRUE(Equal(again[1].before.means, first[1].before.means));
   // Only what is lost is trained again, to the same bits.
-  const auto kept = run.workspace.proposals() / "proxies" / "0.ply";
+  const auto kept = run.workspace.proposals() / "proxy_models" / "0.ply";
   const auto written = fs::last_write_time(kept);
-  fs::remove(run.workspace.proposals() / "proxies" / "1_before.ply");
+  fs::remove(run.workspace.proposals() / "proxy_models" / "1_before.ply");
   run.results->keys.erase("proxies");
   const std::vector<ProxyModel> trained_again = Bring(&run, "proxies").proxies;
   EXPECT_GT(steps, 0);
@@ -53,7 +53,7 @@ TEST_F(ProxyModelsTest, HoldOutEachViewOnceAndAreReadBack) {
   EXPECT_EQ(fs::last_write_time(kept), written);
   EXPECT_TRUE(Equal(trained_again[1].gaussians.means, first[1].gaussians.means));
 
-  const auto cut = run.workspace.proposals() / "proxies" / "1.ply";
+  const auto cut = run.workspace.proposals() / "proxy_models" / "1.ply";
   fs::resize_file(cut, fs::file_size(cut) / 2);
   run.results->keys.erase("proxies");
   const std::vector<ProxyModel> mended = Bring(&run, "proxies").proxies;
@@ -88,7 +88,7 @@ TEST_F(ProxyModelsTest, SayWhyThereAreNone) {
               Contains(testing::AllOf(HasSubstr("one would have 8 views and 0 dense points, and needs 2 and 1000"),
                                       HasSubstr("views are warped instead"))));
   EXPECT_TRUE(run.workspace.Record("proxies").is_null());
-  run.options.propose.proposers = ProposerChoice::kSplat;
+  run.options.propose.proposers = std::string("proxies");
   EXPECT_FALSE(ProxiesAlonePropose(run)) << "views are warped";
 }
 

@@ -26,7 +26,7 @@ class SevaStageTest : public ProposingTest {
   }
   void SetUp() override { SKIP_WITHOUT_NETWORKS(); }
 
-  static RunRequest SevaRequestOf(const std::string& out, ProposerChoice proposers) {
+  static RunRequest SevaRequestOf(const std::string& out, const std::string& proposers) {
     RunRequest request = Request(out);
     request.options.propose.proposers = proposers;
     request.options.trajectory.proposals = 3;
@@ -50,7 +50,7 @@ class SevaStageTest : public ProposingTest {
 };
 
 TEST_F(SevaStageTest, GeneratesCandidatesOfEveryTarget) {
-  RunRequest request = SevaRequestOf("seva", ProposerChoice::kSeva);
+  RunRequest request = SevaRequestOf("seva", "seva");
   request.options.seva.candidates = 2;
   auto run = StartRun(request, recorder.AsListener());
   const StageResults& known = Bring(&run, "propose");
@@ -77,7 +77,7 @@ TEST_F(SevaStageTest, GeneratesCandidatesOfEveryTarget) {
 }
 
 TEST_F(SevaStageTest, ProposalsMayKeepTheGeneratorsSize) {
-  RunRequest request = SevaRequestOf("own_size", ProposerChoice::kSeva);
+  RunRequest request = SevaRequestOf("own_size", "seva");
   request.options.propose.proposal_size = ProposalSize::kOwn;
   request.options.validate.oracle = OracleKind::kUniform;
   auto run = StartRun(request, recorder.AsListener());
@@ -101,7 +101,7 @@ TEST_F(SevaStageTest, GoesOnBehindTheLastFinishedChunk) {
     if (done == stop_after) RequestInterrupt(true);
   };
   const auto propose = [&](const std::string& out) {
-    auto run = StartRun(SevaRequestOf(out, ProposerChoice::kSeva), listener);
+    auto run = StartRun(SevaRequestOf(out, "seva"), listener);
     Bring(&run, "depth");
     done = total = 0;
     Bring(&run, "propose");
@@ -121,12 +121,12 @@ TEST_F(SevaStageTest, GoesOnBehindTheLastFinishedChunk) {
 }
 
 TEST_F(SevaStageTest, AWholeRunWithEveryNetwork) {
-  RunRequest request = SevaRequestOf("whole", ProposerChoice::kAll);
+  RunRequest request = SevaRequestOf("whole", "proxies,warp,seva");
   request.options.depth.depth_prior = DepthPrior::kFused;
   request.options.validate.oracle = OracleKind::kVggtAndConsistency;
   request.options.weights.lpips = LpipsUse::kRequired;
   const nlohmann::json metrics = Reconstruct(request, recorder.AsListener());
-  for (const char* folder : {"proposals/seva", "proposals/warp", "proposals/splat", "confidence"}) {
+  for (const char* folder : {"proposals/seva", "proposals/warp", "proposals/proxies", "confidence"}) {
     EXPECT_TRUE(fs::exists(request.out / folder)) << folder;
   }
   EXPECT_EQ(metrics.at("depth").at("prior"), "fused");

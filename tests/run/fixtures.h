@@ -43,7 +43,7 @@ inline RunRequest TinyRequest(const std::filesystem::path& scene, const std::fil
   request.options.train.iterations = 30;
   request.options.train.max_gaussians = 500;
   request.options.train.random_points = 400;
-  request.options.propose.proposers = ProposerChoice::kNone;
+  request.options.propose.proposers = std::string("none");
   request.options.validate.oracle = OracleKind::kConsistency;  // whatever weights lie on the machine
   return request;
 }

@@ -29,7 +29,7 @@ class ProposingTest : public testing::Test {
     request.options.stereo.geometric_passes = 1;
     request.options.train.max_gaussians = 1500;
     request.options.trajectory.trajectory = Trajectory::kDataset;
-    request.options.propose.proposers = ProposerChoice::kBoth;
+    request.options.propose.proposers = std::string("proxies,warp");
     request.options.propose.proxy_models = 3;
     return request;
   }

@@ -81,7 +81,7 @@ TEST_F(StagesTest, ARaisedVersionRunsThatStageAndThoseThatNeedIt) {
 
 TEST_F(StagesTest, AnUpgradedStereoTrainsAnew) {
   RunRequest request = Request("upgraded");
-  request.options.propose.proposers = ProposerChoice::kWarp;
+  request.options.propose.proposers = std::string("warp");
   const auto reconstruct = [&](const std::vector<Stage>& stages) {
     auto run = StartRun(request, recorder.AsListener());
     RunStage(&run, stages, "report");

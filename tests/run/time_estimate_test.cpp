@@ -65,7 +65,7 @@ TEST_F(EstimateTest, PosesOfViewsAreNoMoreThanThere) {
 }
 
 TEST_F(EstimateTest, WithoutProposalsNothingIsProposed) {
-  options.propose.proposers = ProposerChoice::kNone;
+  options.propose.proposers = std::string("none");
   EXPECT_EQ(EstimateSeconds(StageNamed(Stages(), "proxies"), Input(options)), 0);
 }
 

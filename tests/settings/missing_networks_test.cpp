@@ -1,5 +1,6 @@
 #include "oraclegs/settings/missing_networks.h"
 
+#include "oraclegs/weights/registry.h"
 #include "run/fixtures.h"
 #include "run/weights.h"
 #include "support/errors.h"
@@ -18,7 +19,7 @@ using testing::IsEmpty;
 /// Options that use every network, as the presets do.
 RunOptions Everything() {
   RunOptions options;
-  options.propose.proposers = ProposerChoice::kSeva;
+  options.propose.proposers = std::string("seva");
   options.validate.oracle = OracleKind::kVggt;
   options.depth.depth_prior = DepthPrior::kMonocular;
   options.weights.lpips = LpipsUse::kRequired;
@@ -82,7 +83,7 @@ TEST(MissingNetworks, AFallbackSaysWhatItTakes) {
   options.input.poses = PoseSource::kVggt;
   EventRecorder recorder;
   const RunOptions changed = WithNetworksAtHand(options, false, recorder.AsListener());
-  EXPECT_EQ(changed.propose.proposers, ProposerChoice::kSplat);
+  EXPECT_EQ(changed.propose.proposers, std::string("proxies"));
   EXPECT_EQ(changed.validate.oracle, OracleKind::kConsistency);
   EXPECT_EQ(changed.depth.depth_prior, DepthPrior::kStereo);
   EXPECT_EQ(changed.weights.lpips, LpipsUse::kWhereFound);
@@ -92,22 +93,35 @@ TEST(MissingNetworks, AFallbackSaysWhatItTakes) {
       ElementsAre("--poses vggt: the weights of vggt are not here; --poses colmap instead",
                   "--depth-prior depth-anything: the weights of depth-anything-v2-small are not here; --depth-prior "
                   "stereo instead",
-                  "--proposers seva: the weights of seva, sd21-vae, openclip-vith14 are not here; --proposers splat "
-                  "instead",
+                  "--proposers seva: the weights of seva, sd21-vae, openclip-vith14 are not here; --proposers "
+                  "proxies instead",
                   "--oracle vggt: the weights of vggt are not here; --oracle consistency instead",
                   "--lpips required: the weights of lpips-vgg are not here; L1 and SSIM, and no LPIPS among the "
                   "scores, instead"));
   EXPECT_THAT(Asked(changed, false), IsEmpty());
 }
 
+TEST(MissingNetworks, AFallbackKeepsTheOtherProposers) {
+  RunOptions options;
+  options.weights.allow_fallback = true;
+  options.propose.proposers = std::string("warp,seva");
+  EXPECT_EQ(WithNetworksAtHand(options, true, Silent()).propose.proposers, std::string("warp"));
+}
+
+TEST(MissingNetworks, NamesOfProposersAreInTheRegistry) {
+  for (const KnownProposer& proposer : KnownProposers()) {
+    for (const char* model : proposer.networks) EXPECT_EQ(WeightsNamed(model).name, model);
+  }
+}
+
 TEST(MissingNetworks, AreToldBeforeAnythingIsWritten) {
   const TempDir temp;
   RunRequest request = TinyRequest(MakeTinyScene(temp / "scene"), temp / "out");
-  request.options.propose.proposers = ProposerChoice::kSeva;
+  request.options.propose.proposers = std::string("seva");
   EXPECT_THAT(MessageOf<InputError>([&] { StartRun(request, Silent()); }), HasSubstr("--proposers seva needs"));
   EXPECT_FALSE(std::filesystem::exists(request.out));
   request.options.weights.allow_fallback = true;
-  EXPECT_EQ(StartRun(request, Silent()).options.propose.proposers, ProposerChoice::kSplat);
+  EXPECT_EQ(StartRun(request, Silent()).options.propose.proposers, std::string("proxies"));
 }
 
 }  // namespace

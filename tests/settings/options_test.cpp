@@ -76,16 +76,17 @@ TEST(RunOptions, NameLayersAndWeightsOfVggt) {
 }
 
 TEST(RunOptions, AskForAGeneratorAndItsCommandTogether) {
-  const auto error = [](ProposerChoice proposers, const std::string& command) {
+  const auto error = [](const std::string& proposers, const std::string& command) {
     RunOptions options;
     options.propose.proposers = proposers, options.propose.generator = command;
     return MessageOf<UsageError>([&] { CheckRunOptions(options); });
   };
-  EXPECT_EQ(error(ProposerChoice::kCommand, "true"), "");
-  EXPECT_EQ(error(ProposerChoice::kWarp, "true"), "");
-  EXPECT_THAT(error(ProposerChoice::kCommand, ""), testing::HasSubstr("--proposers command needs --generator"));
-  EXPECT_THAT(error(ProposerChoice::kNone, "true"), testing::HasSubstr("say --proposers command"));
-  EXPECT_THAT(error(ProposerChoice::kCommand, "\xff"), testing::HasSubstr("--generator is not valid UTF-8"));
+  EXPECT_EQ(error("command", "true"), "");
+  EXPECT_EQ(error("warp", "true"), "");
+  EXPECT_THAT(error("wrap", ""), testing::HasSubstr("did you mean 'warp'?"));
+  EXPECT_THAT(error("command", ""), testing::HasSubstr("--proposers command needs --generator"));
+  EXPECT_THAT(error("none", "true"), testing::HasSubstr("say --proposers command"));
+  EXPECT_THAT(error("command", "\xff"), testing::HasSubstr("--generator is not valid UTF-8"));
 }
 
 TEST(RunOptions, MayBeContinuedWithAnotherTimeLimit) {

@@ -89,7 +89,7 @@ TEST(ChooseOracle, RefusesLayersThatTheNetworkLacks) {
 
 TEST(NeedsDepth, FollowsStartLossAndPruning) {
   RunOptions options;
-  options.propose.proposers = ProposerChoice::kNone;
+  options.propose.proposers = std::string("none");
   options.train.depth_weight = 0;
   const auto needs = [&](Auto<StartKind> init) {
     options.start.init = init;
@@ -131,8 +131,8 @@ TEST(MakePlan, SettlesWhatTheRunComesTo) {
   EXPECT_EQ(plan.depth.prior, DepthPrior::kStereo);
   EXPECT_EQ(plan.oracle.kind, OracleKind::kConsistency);
   EXPECT_TRUE(plan.device.is_cpu());
-  EXPECT_TRUE(plan.Uses(options, ProposerChoice::kSplat));
-  options.propose.proposers = ProposerChoice::kNone;
+  EXPECT_TRUE(plan.Uses(options, std::string("proxies")));
+  options.propose.proposers = std::string("none");
   options.validate.oracle = OracleKind::kVggt;
   EXPECT_FALSE(MakePlan(options, true).has_proposals) << "no weights are missed";
   options.device.device = "cuda:99";
@@ -171,7 +171,7 @@ TEST(MakePlan, RefusesNetworksWithoutTheLibrary) {
   EXPECT_THAT(refusal(oracle), AllOf(HasSubstr("--oracle vggt needs networks"), HasSubstr("is not here")));
   depth.depth.depth_prior = DepthPrior::kFused;
   EXPECT_THAT(refusal(depth), HasSubstr("--depth-prior fused needs networks"));
-  seva.propose.proposers = ProposerChoice::kSeva;
+  seva.propose.proposers = std::string("seva");
   EXPECT_THAT(refusal(seva), HasSubstr("--proposers seva needs networks"));
   poses.input.poses = PoseSource::kVggt;
   EXPECT_THAT(refusal(poses), HasSubstr("--poses vggt needs networks"));

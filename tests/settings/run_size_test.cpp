@@ -19,7 +19,7 @@ TEST(WithSize, ReducesPhonePhotosOnACpu) {
   const RunOptions settled = WithSize({}, kPhones, false);
   EXPECT_EQ(WorkingSize({4000, 3000}, settled.image.Settled()), (PixelSize{1000, 750}));
   EXPECT_EQ(settled.train.max_gaussians, 100000);
-  EXPECT_EQ(settled.propose.proposers, ProposerChoice::kSplat);
+  EXPECT_EQ(settled.propose.proposers, std::string("proxies"));
 }
 
 TEST(WithSize, TakesMoreOfEverythingOnAGpu) {
@@ -38,7 +38,7 @@ TEST(WithSize, GrowsWithQuality) {
   EXPECT_LT(normal.train.iterations.value(), high.train.iterations.value());
   EXPECT_LT(draft.train.max_gaussians.value(), normal.train.max_gaussians.value());
   EXPECT_LT(normal.train.max_gaussians.value(), high.train.max_gaussians.value());
-  EXPECT_EQ(draft.propose.proposers, ProposerChoice::kWarp);
+  EXPECT_EQ(draft.propose.proposers, std::string("warp"));
 }
 
 TEST(WithSize, TrainsSmallImagesForLonger) {
@@ -54,12 +54,12 @@ TEST(WithSize, TrainsFewPhotosForLess) {
 TEST(WithSize, LeavesWhatTheUserSet) {
   RunOptions asked;
   asked.image.max_size = 0, asked.train.iterations = 70, asked.train.max_gaussians = 500;
-  asked.propose.proposers = ProposerChoice::kNone;
+  asked.propose.proposers = std::string("none");
   const RunOptions settled = WithSize(asked, kPhones, false);
   EXPECT_EQ(settled.image.max_size, 0);
   EXPECT_EQ(settled.train.iterations, 70);
   EXPECT_EQ(settled.train.max_gaussians, 500);
-  EXPECT_EQ(settled.propose.proposers, ProposerChoice::kNone);
+  EXPECT_EQ(settled.propose.proposers, std::string("none"));
 }
 
 TEST(WithSize, DownscaleStandsInForMaxSize) {

@@ -36,7 +36,7 @@ TEST_F(ProposeStageTest, ProposesFromSparePosesAndNeverFromTestPoses) {
   EXPECT_EQ(known.proxies.size(), 3u);
   for (const std::string& name : spare) {
     EXPECT_TRUE(fs::exists(run.workspace.proposals() / "warp" / (name + ".png")));
-    EXPECT_TRUE(fs::exists(run.workspace.proposals() / "splat" / (name + ".png")));
+    EXPECT_TRUE(fs::exists(run.workspace.proposals() / "proxies" / (name + ".png")));
   }
   EXPECT_EQ(Names(ReadTargets(run.workspace.proposals())), spare);
 }
@@ -85,14 +85,14 @@ TEST_F(ProposeStageTest, AFinishedRunThatTrainsOnKeepsProxyModelsAndProposals) {
 
 TEST_F(ProposeStageTest, MakesWarpsThatDoNotDependOnHowGaussiansStart) {
   RunRequest request = Request("warp_key");
-  const auto key = [&](ProposerChoice proposers, double opacity) {
+  const auto key = [&](const std::string& proposers, double opacity) {
     request.options.propose.proposers = proposers;
     request.options.start.init_opacity = opacity;
     auto run = StartRun(request, Silent());
     return StageKey(&run, Stages(), "propose");
   };
-  EXPECT_EQ(key(ProposerChoice::kWarp, 0.5), key(ProposerChoice::kWarp, 0.2));
-  EXPECT_NE(key(ProposerChoice::kSplat, 0.5), key(ProposerChoice::kSplat, 0.2));
+  EXPECT_EQ(key("warp", 0.5), key("warp", 0.2));
+  EXPECT_NE(key("proxies", 0.5), key("proxies", 0.2));
 }
 
 TEST_F(ProposeStageTest, TrainsOtherProxyModelsForAnotherSeed) {
@@ -105,7 +105,7 @@ TEST_F(ProposeStageTest, TrainsOtherProxyModelsForAnotherSeed) {
 TEST_F(ProposeStageTest, ProposesNothingUnlessAsked) {
   for (const bool none : {true, false}) {
     auto request = Request(none ? "none" : "zero");
-    if (none) request.options.propose.proposers = ProposerChoice::kNone;
+    if (none) request.options.propose.proposers = std::string("none");
     if (!none) request.options.trajectory.proposals = 0;
     auto run = StartRun(request, recorder.AsListener());
     EXPECT_THAT(Bring(&run, "propose").targets, IsEmpty());
@@ -126,7 +126,7 @@ TEST_F(ProposeStageTest, SaysWhyNothingCanBeProposed) {
 TEST_F(ProposeStageTest, TakesAFolderOfAnotherGenerator) {
   const fs::path folder = *temp / "folder" / "synthetic_7";
   auto request = Request("with_folder");
-  request.options.propose.proposers = ProposerChoice::kNone;
+  request.options.propose.proposers = std::string("none");
   request.options.propose.proposal_folder = *temp / "folder";
   fs::create_directories(folder);
   auto run = StartRun(request, recorder.AsListener());
@@ -142,7 +142,7 @@ TEST_F(ProposeStageTest, TakesAFolderOfAnotherGenerator) {
 
 TEST_F(ProposeStageTest, HasACommandGenerateTheViews) {
   auto request = Request("command");
-  request.options.propose.proposers = ProposerChoice::kCommand;
+  request.options.propose.proposers = std::string("command");
   request.options.propose.generator = "cp {request}/warps/*.png {answer}";
   auto run = StartRun(request, recorder.AsListener());
   const std::vector<Target> targets = Bring(&run, "propose").targets;
@@ -166,7 +166,7 @@ TEST_F(ProposeStageTest, HasACommandGenerateTheViews) {
 
 TEST_F(ProposeStageTest, AGeneratorThatFailsIsRunAgain) {
   auto request = Request("failing_command");
-  request.options.propose.proposers = ProposerChoice::kWarp;
+  request.options.propose.proposers = std::string("warp");
   request.options.propose.generator = "test -e " + (*temp / "ready").string() + " && cp {request}/warps/*.png {answer}";
   auto run = StartRun(request, Silent());
   EXPECT_THAT(MessageOf<RunError>([&] { Bring(&run, "propose"); }), HasSubstr("ended with exit code 1"));

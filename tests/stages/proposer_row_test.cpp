@@ -25,19 +25,19 @@ TEST_F(ProposerRowTest, AsksTheRowsThatAreWanted) {
   auto run = StartRun(Request(), Silent());
   Bring(&run, "depth");
   const Gaussians blob = InitializeGaussians(ToPointCloud(std::vector<ScenePoint>(4)), {1, 0.5});
-  const auto use = [&](ProposerChoice choice, bool has_proxies) {
+  const auto use = [&](const std::string& choice, bool has_proxies) {
     run.options.propose.proposers = choice;
     run.results->proxies.clear();
     if (has_proxies) run.results->proxies.push_back({blob.Clone(), blob.Clone(), {0}});
   };
-  use(ProposerChoice::kBoth, true);
-  EXPECT_THAT(Sources(&run, std::nullopt), ElementsAre("warp", "splat"));
-  EXPECT_THAT(Sources(&run, 0), ElementsAre("warp", "splat"));
-  use(ProposerChoice::kSplat, true);
-  EXPECT_THAT(Sources(&run, std::nullopt), ElementsAre("splat"));
-  use(ProposerChoice::kSplat, false);
+  use("proxies,warp", true);
+  EXPECT_THAT(Sources(&run, std::nullopt), ElementsAre("warp", "proxies"));
+  EXPECT_THAT(Sources(&run, 0), ElementsAre("warp", "proxies"));
+  use("proxies", true);
+  EXPECT_THAT(Sources(&run, std::nullopt), ElementsAre("proxies"));
+  use("proxies", false);
   EXPECT_THAT(Sources(&run, std::nullopt), ElementsAre("warp")) << "stands in for models that could not be trained";
-  use(ProposerChoice::kSeva, false);
+  use("seva", false);
   EXPECT_TRUE(AsksGenerator(run));
   EXPECT_THAT(Sources(&run, 0), ElementsAre("warp")) << "teaches the oracle";
   EXPECT_TRUE(Sources(&run, std::nullopt).empty()) << "nothing was generated, and warp does not paint";
@@ -57,13 +57,12 @@ class GrayProposer : public Proposer {
 
 TEST_F(ProposerRowTest, RunsAnotherRowLikeItsOwn) {
   RunRequest request = Request("toy");
-  request.options.propose.proposers = ProposerChoice::kWarp;
+  request.options.propose.proposers = std::string("warp");
   auto run = StartRun(request, Silent());
   std::vector<ProposerRow> rows = ProposerRows();
   rows.push_back(
       {.word = "gray",
        .sees_anything = true,
-       .wanted = [](const oraclegs::Run&) { return true; },
        .own = [](const oraclegs::Run&, Fingerprint* key) { key->Add("gray 1"); },
        .make =
            [](const oraclegs::Run&, const Warper&) {
@@ -72,7 +71,7 @@ TEST_F(ProposerRowTest, RunsAnotherRowLikeItsOwn) {
              return members;
            },
        .undo = [](const std::filesystem::path& proposals) { std::filesystem::remove_all(proposals / "gray"); }});
-  run.proposer_rows = &rows;
+  run.proposer_rows = &rows, run.options.propose.proposers = std::string("warp,gray");
   const StageResults& results = Bring(&run, "validate");
   EXPECT_FALSE(results.targets.empty());
   for (const Target& target : results.targets) {

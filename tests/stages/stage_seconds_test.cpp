@@ -30,7 +30,7 @@ TEST_F(StageSeconds, GrowWithTheWork) {
 
 TEST_F(StageSeconds, ProposalsAreNoneWithoutProposers) {
   EXPECT_GT(ProposalsOf(input), 0);
-  options.propose.proposers = ProposerChoice::kNone;
+  options.propose.proposers = std::string("none");
   EXPECT_EQ(ProposalsOf(input), 0);
 }
 

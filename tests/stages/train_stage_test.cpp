@@ -205,7 +205,7 @@ TEST_F(TrainOnProposalsTest, UsesLpipsWhereThereAreWeights) {
   SKIP_WITHOUT_NETWORKS();
   RunRequest plain = Request("plain"), with = Request("lpips");
   for (RunRequest* request : {&plain, &with}) {
-    request->options.propose.proposers = ProposerChoice::kWarp;
+    request->options.propose.proposers = std::string("warp");
     request->options.train.iterations = 12, request->options.train.synthetic_floor = 0.9;
   }
   with.options.weights.lpips_weights = WriteTinyLpips(*temp / "lpips.safetensors");

@@ -65,7 +65,7 @@ TEST_F(ValidateStageTest, TrustsAllWithTheUniformOracle) {
 TEST_F(ValidateStageTest, LeavesOutWhatIsTrustedNowhere) {
   const fs::path folder = *temp / "ready" / "synthetic_1", maps = *temp / "ready" / "synthetic_1_attention_maps";
   auto request = Request("ready_out");
-  request.options.propose.proposers = ProposerChoice::kNone;
+  request.options.propose.proposers = std::string("none");
   request.options.propose.proposal_folder = *temp / "ready";
   fs::create_directories(folder);
   std::vector<std::string> names;
@@ -135,7 +135,7 @@ TEST_F(ValidateStageTest, UsesWeightsOfVggtWhereTheyAre) {
   const ModelsAt models(*temp / "models");
   auto request = Request("network");
   request.options.validate.oracle = {};
-  request.options.propose.proposers = ProposerChoice::kWarp;
+  request.options.propose.proposers = std::string("warp");
   const Result without = Validate(request, recorder.AsListener());
   EXPECT_THAT(recorder.notes, Contains(HasSubstr("`oraclegs models fetch vggt` downloads its weights")));
   EXPECT_THAT(NonCommercialParts(WorkspacePaths(without.root)), IsEmpty());
@@ -162,20 +162,20 @@ TEST_F(ValidateStageTest, RefusesAnOracleWithoutWeightsBeforeWriting) {
   EXPECT_THAT(MessageOf<InputError>([&] { StartRun(request, Silent()); }),
               HasSubstr("--oracle vggt needs the weights"));
   EXPECT_FALSE(fs::exists(request.out));
-  request.options.propose.proposers = ProposerChoice::kNone;  // nothing to validate
+  request.options.propose.proposers = std::string("none");  // nothing to validate
   EXPECT_NO_THROW(StartRun(request, Silent()));
 }
 
 TEST_F(ValidateStageTest, DoesNothingWithoutProposals) {
   RunRequest request = Request("nothing");
-  request.options.propose.proposers = ProposerChoice::kNone;
+  request.options.propose.proposers = std::string("none");
   EXPECT_THAT(Validate(request, recorder.AsListener()).views, IsEmpty());
   EXPECT_THAT(recorder.started, testing::Not(Contains("validate")));
 }
 
 TEST_F(ValidateStageTest, GivesTheSameFromKeptCandidatesAndFromOnesMadeAgain) {
   RunRequest request = Request("kept");
-  request.options.propose.proposers = ProposerChoice::kWarp;
+  request.options.propose.proposers = std::string("warp");
   auto kept = StartRun(request, Silent());
   EXPECT_GT(Bring(&kept, "propose").candidates.bytes(), 0u);
   const std::vector<TrainView> from_kept = Bring(&kept, "validate").proposals;

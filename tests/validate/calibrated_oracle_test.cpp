@@ -18,7 +18,7 @@ class CalibratedOracleTest : public ProposingTest {
   void SetUp() override { SKIP_WITHOUT_NETWORKS(); }
   CalibratedOracleTest() {
     RunRequest request = Request("oracle");
-    request.options.propose.proposers = ProposerChoice::kWarp;
+    request.options.propose.proposers = std::string("warp");
     request.options.split.views = 6;
     run.emplace(StartRun(request, Silent()));
     Bring(&*run, "depth");

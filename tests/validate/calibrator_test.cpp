@@ -53,8 +53,8 @@ TEST(Calibrator, NeedsSamples) {
   Calibrator calibrator;
   EXPECT_THROW(calibrator.Fit({}), InputError);
   EXPECT_THROW(calibrator.Fit({{"warp", {}}}), InputError);
-  calibrator.Fit({{"warp", Samples(0.1f)}, {"splat", {}}});
-  EXPECT_EQ(Confidence(calibrator.ModelOf("splat"), 0), Confidence(calibrator.ModelOf("warp"), 0));
+  calibrator.Fit({{"warp", Samples(0.1f)}, {"proxies", {}}});
+  EXPECT_EQ(Confidence(calibrator.ModelOf("proxies"), 0), Confidence(calibrator.ModelOf("warp"), 0));
 }
 
 }  // namespace

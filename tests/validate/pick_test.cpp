@@ -18,7 +18,7 @@ Proposal Flat(const std::string& source, float value) {
 }
 
 TEST(Pick, TakesTheMostConfidentCandidateAtEachPixel) {
-  const Validated v = Pick({Flat("warp", 0.f), Flat("splat", 1.f)}, {{0.9f, 0.1f}, {0.2f, 0.6f}}, PickRule::kPixel);
+  const Validated v = Pick({Flat("warp", 0.f), Flat("proxies", 1.f)}, {{0.9f, 0.1f}, {0.2f, 0.6f}}, PickRule::kPixel);
   EXPECT_EQ(v.proposal.rgb.data, (std::vector<float>{0, 0, 0, 1, 1, 1}));
   EXPECT_EQ(v.confidence, (ConfidenceMap{0.9f, 0.6f}));
   EXPECT_EQ(v.proposal.inv_depth, (std::vector<float>{0, 1}));
@@ -28,13 +28,13 @@ TEST(Pick, TakesTheMostConfidentCandidateAtEachPixel) {
 }
 
 TEST(Pick, TakesTheMostConfidentImageWhole) {
-  const Validated v = Pick({Flat("warp", 0.f), Flat("splat", 1.f)}, {{0.9f, 0.1f}, {0.5f, 0.6f}}, PickRule::kView);
-  EXPECT_EQ(v.proposal.source, "splat");
+  const Validated v = Pick({Flat("warp", 0.f), Flat("proxies", 1.f)}, {{0.9f, 0.1f}, {0.5f, 0.6f}}, PickRule::kView);
+  EXPECT_EQ(v.proposal.source, "proxies");
   EXPECT_EQ(v.confidence, (ConfidenceMap{0.5f, 0.6f}));
 }
 
 TEST(Pick, BlendsByExpectedError) {
-  const Validated v = Pick({Flat("warp", 0.f), Flat("splat", 1.f)}, {{0.9f, 0.5f}, {0.3f, 0.5f}}, PickRule::kBlend);
+  const Validated v = Pick({Flat("warp", 0.f), Flat("proxies", 1.f)}, {{0.9f, 0.5f}, {0.3f, 0.5f}}, PickRule::kBlend);
   EXPECT_LT(v.proposal.rgb.data[0], 0.15f);
   EXPECT_GT(v.proposal.rgb.data[0], 0.02f);
   EXPECT_FLOAT_EQ(v.proposal.rgb.data[3], 0.5f);
@@ -54,7 +54,7 @@ TEST(Pick, KeepsASingleCandidate) {
 TEST(Pick, RefusesSizesThatDiffer) {
   EXPECT_THROW(Pick({}, {}, PickRule::kBlend), ShapeError);
   EXPECT_THROW(Pick({Flat("warp", 0)}, {{0.5f, 0.5f}, {0.5f, 0.5f}}, PickRule::kBlend), ShapeError);
-  EXPECT_THROW(Pick({Flat("warp", 0), Flat("splat", 0)}, {{0.5f, 0.5f}, {0.5f}}, PickRule::kBlend), ShapeError);
+  EXPECT_THROW(Pick({Flat("warp", 0), Flat("proxies", 0)}, {{0.5f, 0.5f}, {0.5f}}, PickRule::kBlend), ShapeError);
 }
 
 }  // namespace

@@ -134,7 +134,7 @@ std::vector<Proposal> HalfAWall() {
   Camera camera;
   camera.width = 40, camera.height = 30, camera.fx = camera.fy = 40, camera.cx = 20, camera.cy = 15;
   camera.cam_from_world.translation() = Eigen::Vector3d(0, 0, 1);  // the camera stands at z = -1
-  Proposal proposal{"p", "splat", camera, {}};
+  Proposal proposal{"p", "proxies", camera, {}};
   for (int i = 0; i < 40 * 30; ++i) proposal.inv_depth.push_back(i % 40 < 20 ? 0.5f : 0.f);
   return {proposal};
 }

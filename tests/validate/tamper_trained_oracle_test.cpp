@@ -38,7 +38,7 @@ class TamperTrainedOracleTest : public ProposingTest {
  protected:
   TamperTrainedOracleTest() {
     RunRequest request = Request("tamper_trained");
-    request.options.propose.proposers = ProposerChoice::kNone;
+    request.options.propose.proposers = std::string("none");
     request.options.train.depth_weight = 0.1;
     run.emplace(StartRun(request, Silent()));
     Bring(&*run, "depth");

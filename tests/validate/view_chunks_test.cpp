@@ -73,7 +73,7 @@ TEST(PlanChunks, PutsNoHeldOutViewBesideItself) {
 TEST(PlanChunks, KeepsSourcesAndSizesApart) {
   auto views = Views(4);
   auto asked = At(views, {0, 1, 2, 3}, false);
-  asked[1].proposal.source = "splat";
+  asked[1].proposal.source = "proxies";
   asked[3].proposal.camera.width = 50;
   views[0].camera.width = 50;
   const auto chunks = PlanChunks(asked, views, 8);

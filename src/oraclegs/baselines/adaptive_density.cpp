@@ -49,10 +49,10 @@ std::array<double, 3> Rotate(const float* quat, const std::array<double, 3>& x) 
 /// Rows of the Gaussians to clone or split; each adds one Gaussian.
 std::vector<int64_t> Pulled(const DensityControl& control, const std::vector<float>& gradients,
                             const Gaussians& gaussians) {
-  std::vector<bool> lonely(gradients.size(), false);
-  if (control.splits_lonely) {
-    for (const int64_t i : LonelyGaussians(ProximityLimits::Split(control.extent), gaussians)) {
-      lonely[static_cast<size_t>(i)] = true;
+  std::vector<bool> isolated(gradients.size(), false);
+  if (control.splits_isolated) {
+    for (const int64_t i : IsolatedGaussians(ProximityLimits::Split(control.extent), gaussians)) {
+      isolated[static_cast<size_t>(i)] = true;
     }
   }
   std::vector<int64_t> pulled;
@@ -60,7 +60,7 @@ std::vector<int64_t> Pulled(const DensityControl& control, const std::vector<flo
     const auto row = static_cast<int64_t>(i);
     const bool grows = static_cast<double>(gradients[i]) >= control.gradient &&
                        OpacityOf(gaussians.opacity_logits[row]) > control.opacity_to_grow;
-    if (grows || lonely[i]) pulled.push_back(row);
+    if (grows || isolated[i]) pulled.push_back(row);
   }
   const auto room =
       static_cast<size_t>(std::max<int64_t>(0, control.max_gaussians - static_cast<int64_t>(gradients.size())));
@@ -158,7 +158,7 @@ class AdaptiveDensifier final : public Densifier {
                            options_.max_gaussians};
     control.least_opacity = baseline.prune_opacity;
     control.opacity_to_grow = baseline.densify_opacity;
-    control.splits_lonely = baseline.split_lonely;
+    control.splits_isolated = baseline.proximity_split;
     control.removes_large = !baseline.keep_large && reset > 0 && extent_ > 0 && iteration.number > reset;
     const auto unpool = [&](Gaussians* gaussians, Adam* adam) {
       if (iteration.number >= baseline.unpool_until) return;

@@ -27,7 +27,7 @@ struct DensityControl {
   double least_opacity = 0.005;  ///< Gaussians below are removed
   double opacity_to_grow = 0;    ///< Gaussians at or below are neither cloned nor split
   bool removes_large = false;    ///< removes Gaussians larger than kLargeShare
-  bool splits_lonely = false;    ///< proximity split: splits Gaussians beyond ProximityLimits::Split, too
+  bool splits_isolated = false;  ///< proximity split: splits Gaussians beyond ProximityLimits::Split, too
 };
 
 /// Adds Gaussians of its own, with their moments, after clones and splits and before the transparent are removed.

@@ -47,16 +47,16 @@ class SortedSample {
   /// Height, in counts, of the line through two points over point `at`; an upright line has the height of its lower
   /// end.
   double Line(int64_t from, int64_t to, int64_t at) const {
-    const double part = Run(from, to) > 0 ? Run(from, at) / Run(from, to) : 0;
-    return static_cast<double>(from + 1) + part * Rise(from, to);
+    const double fraction = Width(from, to) > 0 ? Width(from, at) / Width(from, to) : 0;
+    return static_cast<double>(from + 1) + fraction * Rise(from, to);
   }
 
  private:
   double Wide(int64_t i) const { return static_cast<double>(x_[i]); }
   /// Whether the slope grows (TurnsDown: falls) at b. Needs no division, since points may coincide.
-  bool TurnsUp(int64_t a, int64_t b, int64_t c) const { return Run(a, b) * Rise(b, c) > Run(b, c) * Rise(a, b); }
-  bool TurnsDown(int64_t a, int64_t b, int64_t c) const { return Run(a, b) * Rise(b, c) < Run(b, c) * Rise(a, b); }
-  double Run(int64_t from, int64_t to) const { return Wide(to) - Wide(from); }
+  bool TurnsUp(int64_t a, int64_t b, int64_t c) const { return Width(a, b) * Rise(b, c) > Width(b, c) * Rise(a, b); }
+  bool TurnsDown(int64_t a, int64_t b, int64_t c) const { return Width(a, b) * Rise(b, c) < Width(b, c) * Rise(a, b); }
+  double Width(int64_t from, int64_t to) const { return Wide(to) - Wide(from); }
   static double Rise(int64_t from, int64_t to) { return static_cast<double>(to - from); }
 
   std::vector<float> x_;

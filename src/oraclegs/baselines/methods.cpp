@@ -51,7 +51,7 @@ BaselineMethod Fsgs(const char* word) {
   method.own.pseudo_depth_weight = 0.05;
   method.own.opacity_reset_first = 2001;
   method.own.opacity_reset_to = 0.05;
-  method.own.split_lonely = true;
+  method.own.proximity_split = true;
   method.own.unpool_until = 2000;
   return method;
 }
@@ -76,7 +76,7 @@ BaselineMethod CorGs(const char* word) {
   method.own.opacity_reset_first = 501;
   method.own.opacity_reset_to = 0.05;
   method.own.random_background = true;
-  method.own.split_lonely = true;
+  method.own.proximity_split = true;
   return method;
 }
 

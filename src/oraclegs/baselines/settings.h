@@ -15,13 +15,13 @@ struct BaselineSettings {
   double densify_gradient = 0.0002;  ///< mean screen gradient from which a Gaussian is cloned or split
   double densify_opacity = 0;        ///< only Gaussians of more than this opacity are cloned or split
   double prune_opacity = 0.005;      ///< Gaussians of less are removed
-  bool split_lonely = false;         ///< also splits Gaussians larger than the cameras' extent and far from others
+  bool proximity_split = false;      ///< also splits Gaussians larger than the cameras' extent and far from others
   int opacity_reset = 3000;          ///< iterations between resets of all opacities; 0 = never
   std::optional<int> opacity_reset_first =
       {};                          ///< nullopt = opacity_reset, and before a white background also --refine-start
   double opacity_reset_to = 0.01;  ///< the largest opacity that a reset leaves
   bool keep_large = false;         ///< keeps Gaussians larger than a tenth of the cameras' extent
-  int unpool_until = 0;            ///< before this iteration lonely Gaussians grow new ones (FSGS); 0 = never
+  int unpool_until = 0;            ///< before this iteration isolated Gaussians grow new ones (FSGS); 0 = never
 
   // Two models beside each other [Zhang 2024].
   bool two_fields = false;

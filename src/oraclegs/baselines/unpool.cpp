@@ -47,16 +47,17 @@ Neighbors NeighborsOf(const ProximityLimits& limits, const Gaussians& gaussians)
   return KdTree(CentersOf(gaussians)).ThreeNearest();
 }
 
-std::vector<int64_t> Lonely(const ProximityLimits& limits, const Gaussians& gaussians, const Neighbors& nearest) {
-  std::vector<Scored> lonely;
+std::vector<int64_t> Isolated(const ProximityLimits& limits, const Gaussians& gaussians, const Neighbors& nearest) {
+  std::vector<Scored> isolated;
   for (size_t i = 0; i < nearest.size(); ++i) {
     const double score = ProximityScore(nearest[i]);
     const auto row = static_cast<int64_t>(i);
-    if (score > limits.score && IsLarge(limits, gaussians, row)) lonely.push_back({score, row});
+    if (score > limits.score && IsLarge(limits, gaussians, row)) isolated.push_back({score, row});
   }
-  std::stable_sort(lonely.begin(), lonely.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
+  std::stable_sort(isolated.begin(), isolated.end(),
+                   [](const Scored& a, const Scored& b) { return a.score > b.score; });
   std::vector<int64_t> rows;
-  for (const Scored& one : lonely) rows.push_back(one.row);
+  for (const Scored& one : isolated) rows.push_back(one.row);
   return rows;
 }
 
@@ -74,8 +75,8 @@ void FillMiddle(const UnpoolEdge& edge, int64_t to, Gaussians* gaussians) {
 
 }  // namespace
 
-std::vector<int64_t> LonelyGaussians(const ProximityLimits& limits, const Gaussians& gaussians) {
-  return Lonely(limits, gaussians, NeighborsOf(limits, gaussians));
+std::vector<int64_t> IsolatedGaussians(const ProximityLimits& limits, const Gaussians& gaussians) {
+  return Isolated(limits, gaussians, NeighborsOf(limits, gaussians));
 }
 
 int64_t UnpoolGaussians(const ProximityLimits& limits, int64_t max_gaussians, Gaussians* gaussians) {
@@ -84,7 +85,7 @@ int64_t UnpoolGaussians(const ProximityLimits& limits, int64_t max_gaussians, Ga
   if (n >= max_gaussians) return 0;
   const Neighbors nearest = NeighborsOf(limits, *gaussians);
   std::vector<UnpoolEdge> edges;
-  for (const int64_t source : Lonely(limits, *gaussians, nearest)) {
+  for (const int64_t source : Isolated(limits, *gaussians, nearest)) {
     for (const NearPoint& near : nearest[source]) edges.push_back({source, near.index});
   }
   const int64_t added = std::min<int64_t>(static_cast<int64_t>(edges.size()), max_gaussians - n);

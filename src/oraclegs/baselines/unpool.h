@@ -25,7 +25,7 @@ struct ProximityLimits {
 
 /// Rows of the Gaussians above both limits, by falling score; ties in the order of the rows. Empty for fewer than 4
 /// Gaussians.
-std::vector<int64_t> LonelyGaussians(const ProximityLimits& limits, const Gaussians& gaussians);
+std::vector<int64_t> IsolatedGaussians(const ProximityLimits& limits, const Gaussians& gaussians);
 
 /// Adds a Gaussian at the middle of each edge from a source, a Gaussian above both limits, to each of its 3 nearest
 /// neighbors, its destinations. It has the destination's scale and opacity, no rotation, and is gray (all SH

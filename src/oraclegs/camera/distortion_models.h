@@ -50,7 +50,7 @@ class DistortionMap {
   Curve curve_ = Curve::kIdentity;
   int width_, height_;
   double fx_, fy_, cx_, cy_;
-  double omega_ = 0;           ///< of the FOV model
+  double omega_ = 0;           ///< parameter of the FOV model
   double tan_omega_ = 0;       ///< 2 tan(omega / 2)
   std::array<double, 4> n_{};  ///< numerator of R
   std::array<double, 3> d_{};  ///< denominator of R

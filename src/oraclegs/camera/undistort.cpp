@@ -65,10 +65,10 @@ struct Between {
     const double at = position > 0.5 ? std::min(position - 0.5, last) : 0;  // not a number becomes 0
     low = static_cast<int>(at);
     high = std::min(low + 1, size - 1);
-    share = static_cast<float>(at - low);
+    high_weight = static_cast<float>(at - low);
   }
   int low, high;
-  float share;  ///< of `high`
+  float high_weight;  ///< weight of `high`
 };
 
 /// Bilinear; kChannels = 0 stands for any number.
@@ -80,9 +80,9 @@ void Sample(const ImageF& source, double u, double v, float* out) {
   const float* bottom = source.row(y.high);
   const int left = x.low * channels, right = x.high * channels;
   for (int c = 0; c < channels; ++c) {
-    const float above = top[left + c] + x.share * (top[right + c] - top[left + c]);
-    const float below = bottom[left + c] + x.share * (bottom[right + c] - bottom[left + c]);
-    out[c] = above + y.share * (below - above);
+    const float above = top[left + c] + x.high_weight * (top[right + c] - top[left + c]);
+    const float below = bottom[left + c] + x.high_weight * (bottom[right + c] - bottom[left + c]);
+    out[c] = above + y.high_weight * (below - above);
   }
 }
 

@@ -10,15 +10,17 @@
 #include <vector>
 
 #include "oraclegs/core/options.h"
+#include "oraclegs/core/word_list.h"
 
 namespace oraclegs {
 
-/// Words that an option may be set to; empty for one that takes no words.
-template <class T>
-std::vector<std::string> WordsOf() {
-  std::vector<std::string> words;
+/// Words that an option may be set to; empty for one that takes no words. `rest` is what its declaration has behind the
+/// help.
+template <class T, class... Rest>
+std::vector<std::string> WordsOf(const Rest&... rest) {
+  std::vector<std::string> words = WordsIn(rest...);
   if constexpr (kIsAuto<T>) {
-    words = WordsOf<typename T::Value>();
+    if (words.empty()) words = WordsOf<typename T::Value>();
     if (!words.empty()) words.insert(words.begin(), "auto");
   } else if constexpr (std::is_enum_v<T>) {
     for (const auto& row : EnumWords<T>::kWords) words.emplace_back(row.word);
@@ -60,7 +62,7 @@ class OptionTable {
   TableOption& Add(const char* name, T* field, const Rest&... rest) {
     const Tier tier = TierIn(rest...);
     return options_.emplace_back(
-        name, tier, [=](const std::string& text) { SetOption(name, text, field, tier); }, WordsOf<T>());
+        name, tier, [=](const std::string& text) { SetOption(name, text, field, tier); }, WordsOf<T>(rest...));
   }
   /// Adds all fields of a struct.
   template <class Options>

@@ -12,7 +12,7 @@ namespace oraclegs {
 
 struct ProgramStart {
   const std::vector<std::string>& argv;                               ///< argv[0] is found in PATH
-  const std::vector<std::pair<std::string, std::string>>& variables;  ///< of the environment, beside this process's
+  const std::vector<std::pair<std::string, std::string>>& variables;  ///< environment variables, beside this process's
   int input = -1;                                                     ///< becomes stdin; -1 = nothing is read
   int output = -1;                                                    ///< becomes stdout; -1 = that of this process
   int errors = -1;                                                    ///< becomes stderr, likewise

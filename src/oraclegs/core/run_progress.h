@@ -40,7 +40,7 @@ class RunProgress {
   using Clock = std::chrono::steady_clock;
 
   struct Place {
-    int number = 0;      ///< of the stage, from 1
+    int number = 0;      ///< number of the stage, from 1
     int of = 0;          ///< stages in all
     double seconds = 0;  ///< that it is expected to take; 0 = nobody knows
   };
@@ -59,7 +59,7 @@ class RunProgress {
   struct Row {
     std::string stage;
     double planned = 0;
-    std::optional<double> took;  ///< of a finished stage; 0 of one that was kept
+    std::optional<double> took;  ///< seconds of a finished stage; 0 for one that was kept
   };
 
   Row* Find(const std::string& stage);

@@ -25,7 +25,7 @@ struct TensorLayout {
 struct SafetensorsLayout {
   std::string beginning;           ///< length of the header and the header
   std::vector<std::string> order;  ///< widest elements first, then by name: each is aligned to its element, no gaps
-  uint64_t data_bytes = 0;         ///< of all tensors
+  uint64_t data_bytes = 0;         ///< bytes of all tensors
 };
 
 /// Throws std::logic_error for a type that the format does not have, a negative size, a name that is not UTF-8 or that

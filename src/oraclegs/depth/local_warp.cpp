@@ -66,18 +66,18 @@ LocalWarp::LocalWarp(int width, int height, const std::vector<DepthSample>& samp
       for (int k = 0; k < 4; ++k) {
         const auto node = static_cast<Eigen::Index>(at.node[k]);
         left -=
-            static_cast<double>(at.share[k]) * (derivatives[0] * solution[node] + derivatives[1] * solution[n + node]);
+            static_cast<double>(at.weight[k]) * (derivatives[0] * solution[node] + derivatives[1] * solution[n + node]);
       }
       const double doubt = 1 + left * left / (scale * scale);
       // Every node has the weight of one sample on average, whatever the number of pixels.
       const double w = static_cast<double>(s.weight) * static_cast<double>(nodes) / weights / (doubt * doubt);
       for (int k = 0; k < 8; ++k) {
         const auto i = static_cast<Eigen::Index>(at.node[k % 4]) + (k < 4 ? 0 : n);
-        const double si = static_cast<double>(at.share[k % 4]) * derivatives[k / 4];
+        const double si = static_cast<double>(at.weight[k % 4]) * derivatives[k / 4];
         right[i] += w * si * off;
         for (int l = 0; l < 8; ++l) {
           const auto j = static_cast<Eigen::Index>(at.node[l % 4]) + (l < 4 ? 0 : n);
-          normal(i, j) += w * si * static_cast<double>(at.share[l % 4]) * derivatives[l / 4];
+          normal(i, j) += w * si * static_cast<double>(at.weight[l % 4]) * derivatives[l / 4];
         }
       }
     }
@@ -104,8 +104,8 @@ float LocalWarp::operator()(float x, float y, float inv_depth) const {
   const Corners at = CornersOf(x, y);
   float factor = 1, addend = 0;
   for (int k = 0; k < 4; ++k) {
-    factor += at.share[k] * factor_[at.node[k]];
-    addend += at.share[k] * addend_[at.node[k]];
+    factor += at.weight[k] * factor_[at.node[k]];
+    addend += at.weight[k] * addend_[at.node[k]];
   }
   return factor * inv_depth + addend;
 }

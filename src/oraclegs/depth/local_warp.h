@@ -35,7 +35,7 @@ class LocalWarp {
   /// The four nodes around a place and their bilinear weights.
   struct Corners {
     size_t node[4];
-    float share[4];
+    float weight[4];
   };
   Corners CornersOf(float x, float y) const;
 

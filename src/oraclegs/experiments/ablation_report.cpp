@@ -23,13 +23,13 @@ std::optional<double> Corrected(const AblationRun& run) { return run.psnr_color_
 std::optional<double> Seconds(const AblationRun& run) { return run.training_seconds; }
 
 /// Statistics over the scored runs.
-std::optional<Spread> SpreadOver(const AblationResult& row, Value value) {
+std::optional<Statistic> StatisticOver(const AblationResult& row, Value value) {
   std::vector<double> values;
   for (const AblationRun& run : row.runs) {
     if (!run.failure.empty()) continue;
     if (const auto v = value(run)) values.push_back(*v);
   }
-  return SpreadOf(values);
+  return StatisticOf(values);
 }
 
 bool HasScores(const AblationResult& row) {
@@ -39,11 +39,11 @@ bool HasScores(const AblationResult& row) {
   return false;
 }
 
-std::string Shown(const std::optional<Spread>& spread, int decimals, bool sign = false) {
-  if (!spread) return kNone;
+std::string Shown(const std::optional<Statistic>& statistic, int decimals, bool sign = false) {
+  if (!statistic) return kNone;
   std::string text =
-      sign ? fmt::format("{:+.{}f}", spread->mean, decimals) : fmt::format("{:.{}f}", spread->mean, decimals);
-  if (spread->deviation) text += fmt::format(" ± {:.{}f}", *spread->deviation, decimals);
+      sign ? fmt::format("{:+.{}f}", statistic->mean, decimals) : fmt::format("{:.{}f}", statistic->mean, decimals);
+  if (statistic->deviation) text += fmt::format(" ± {:.{}f}", *statistic->deviation, decimals);
   return text;
 }
 
@@ -69,9 +69,9 @@ constexpr char kMisprint[] =
 std::vector<std::string> Cells(const Ablation& ablation, size_t r) {
   const AblationResult& row = ablation.rows[r];
   const std::optional<Gain> gain = GainOf(ablation, r);
-  const std::optional<Spread> seconds = SpreadOver(row, Seconds);
-  return {Shown(SpreadOver(row, Psnr), 2),           Shown(SpreadOver(row, Ssim), 4),
-          Shown(SpreadOver(row, Lpips), 4),          Shown(SpreadOver(row, Corrected), 2),
+  const std::optional<Statistic> seconds = StatisticOver(row, Seconds);
+  return {Shown(StatisticOver(row, Psnr), 2),        Shown(StatisticOver(row, Ssim), 4),
+          Shown(StatisticOver(row, Lpips), 4),       Shown(StatisticOver(row, Corrected), 2),
           gain ? Shown(gain->psnr, 2, true) : kNone, FormatSeconds(seconds->mean)};
 }
 
@@ -116,9 +116,9 @@ std::string InCell(const std::string& text) {
 
 json ToJson(const std::optional<double>& value) { return value ? json(*value) : json(); }
 
-json ToJson(const std::optional<Spread>& spread) {
-  if (!spread) return nullptr;
-  return {{"mean", spread->mean}, {"deviation", ToJson(spread->deviation)}, {"count", spread->count}};
+json ToJson(const std::optional<Statistic>& statistic) {
+  if (!statistic) return nullptr;
+  return {{"mean", statistic->mean}, {"deviation", ToJson(statistic->deviation)}, {"count", statistic->count}};
 }
 
 json ToJson(const AblationRun& run) {
@@ -135,16 +135,16 @@ json ToJson(const AblationRun& run) {
 
 }  // namespace
 
-std::optional<Spread> SpreadOf(const std::vector<double>& values) {
+std::optional<Statistic> StatisticOf(const std::vector<double>& values) {
   if (values.empty()) return std::nullopt;
-  Spread spread{values.size(), 0, std::nullopt};
+  Statistic statistic{values.size(), 0, std::nullopt};
   const auto n = static_cast<double>(values.size());
-  for (const double v : values) spread.mean += v / n;
-  if (values.size() == 1) return spread;
+  for (const double v : values) statistic.mean += v / n;
+  if (values.size() == 1) return statistic;
   double squares = 0;
-  for (const double v : values) squares += (v - spread.mean) * (v - spread.mean);
-  spread.deviation = std::sqrt(squares / (n - 1));
-  return spread;
+  for (const double v : values) squares += (v - statistic.mean) * (v - statistic.mean);
+  statistic.deviation = std::sqrt(squares / (n - 1));
+  return statistic;
 }
 
 std::optional<Gain> GainOf(const Ablation& ablation, size_t row) {
@@ -156,9 +156,9 @@ std::optional<Gain> GainOf(const Ablation& ablation, size_t row) {
         if (now.seed == then.seed && now.psnr && then.psnr) gains.push_back(*now.psnr - *then.psnr);
       }
     }
-    const std::optional<Spread> spread = SpreadOf(gains);
-    if (!spread) return std::nullopt;
-    return Gain{above, *spread};
+    const std::optional<Statistic> statistic = StatisticOf(gains);
+    if (!statistic) return std::nullopt;
+    return Gain{above, *statistic};
   }
   return std::nullopt;
 }
@@ -175,11 +175,11 @@ json AblationToJson(const Ablation& a) {
                     {"label", row.label},
                     {"explanation", row.explanation},
                     {"changes", row.changes},
-                    {"psnr", ToJson(SpreadOver(row, Psnr))},
-                    {"ssim", ToJson(SpreadOver(row, Ssim))},
-                    {"lpips", ToJson(SpreadOver(row, Lpips))},
-                    {"psnr_color_corrected", ToJson(SpreadOver(row, Corrected))},
-                    {"training_seconds", ToJson(SpreadOver(row, Seconds))},
+                    {"psnr", ToJson(StatisticOver(row, Psnr))},
+                    {"ssim", ToJson(StatisticOver(row, Ssim))},
+                    {"lpips", ToJson(StatisticOver(row, Lpips))},
+                    {"psnr_color_corrected", ToJson(StatisticOver(row, Corrected))},
+                    {"training_seconds", ToJson(StatisticOver(row, Seconds))},
                     {"gain", gain ? ToJson(gain->psnr) : json()},
                     {"gain_over", gain ? json(a.rows[gain->over].name) : json()},
                     {"runs", std::move(runs)}});

@@ -42,23 +42,23 @@ struct Ablation {
   std::vector<std::string> notes;
 };
 
-struct Spread {
+struct Statistic {
   size_t count = 0;
   double mean = 0;
   std::optional<double> deviation;  ///< standard deviation of the sample; nullopt for one value
 };
 
 /// Mean and deviation of values; nullopt for an empty list.
-std::optional<Spread> SpreadOf(const std::vector<double>& values);
+std::optional<Statistic> StatisticOf(const std::vector<double>& values);
 
 /// PSNR of a row minus that of the nearest row above it that has scores, seed by seed; nullopt where no seed has both.
 struct Gain {
   size_t over = 0;  ///< index of the row above
-  Spread psnr;
+  Statistic psnr;
 };
 std::optional<Gain> GainOf(const Ablation& ablation, size_t row);
 
-/// JSON with every row and seed. Spreads are {"mean", "deviation", "count"}; missing values are null.
+/// JSON with every row and seed. Statistics are {"mean", "deviation", "count"}; missing values are null.
 nlohmann::json AblationToJson(const Ablation& ablation);
 
 /// Table with a line for each row and each failure.

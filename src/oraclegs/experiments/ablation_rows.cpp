@@ -4,6 +4,7 @@
 #include <iterator>
 #include <set>
 
+#include "oraclegs/proposers/proposer_rows.h"
 #include "oraclegs/settings/plan.h"
 
 namespace oraclegs {
@@ -23,17 +24,16 @@ size_t RowOf(const std::string& word) {
   throw UsageError("--rows names '{}'; there are {}", word, RowList());
 }
 
-/// Proposer of the rows before that of proxy models, which the paper does not have.
-ProposerChoice PaperProposer(const ProposeOptions& asked) {
-  switch (asked.Choice()) {
-    case ProposerChoice::kSplat:
-    case ProposerChoice::kBoth:
-      return asked.generator.empty() ? ProposerChoice::kWarp : ProposerChoice::kCommand;
-    case ProposerChoice::kAll:
-      return ProposerChoice::kSeva;
-    default:
-      return asked.Choice();
+/// Proposers of the rows before that of proxy models, which the paper does not have: the generators beside them, or
+/// warped images.
+Auto<std::string> PaperProposers(const ProposeOptions& asked) {
+  if (!asked.Uses(kProxiesWord)) return asked.proposers;
+  std::vector<std::string> generators;
+  for (const ProposerRow& row : ProposerRows()) {
+    if (row.sees_anything && asked.Uses(row.word)) generators.push_back(row.word);
   }
+  if (generators.empty()) generators.emplace_back(kWarpWord);
+  return fmt::format("{}", fmt::join(generators, ","));
 }
 
 const char* const kScenes[] = {"bicycle", "bonsai", "counter", "garden", "kitchen", "room", "stump"};
@@ -49,7 +49,7 @@ const std::vector<AblationRow>& AblationRows() {
          const StartOptions usual;
          o->start.init = StartKind::kRandomCube, o->start.init_scale = 0.1;
          o->start.init_opacity = usual.init_opacity;
-         o->propose.proposers = ProposerChoice::kNone, o->propose.proposal_folder.clear();
+         o->propose.proposers = std::string(kNoneWord), o->propose.proposal_folder.clear();
          o->propose.generator.clear();
          o->train.schedule = ScheduleKind::kUnion, o->validate.oracle = OracleKind::kUniform;
          // An oracle that trusts all pixels alike has nothing to calibrate, and no row adds calibration.
@@ -64,7 +64,7 @@ const std::vector<AblationRow>& AblationRows() {
        "proposed views beside the images, drawn from one pile, all pixels trusted alike: warped by stereo's depth "
        "where proxy models are what is asked for, else by the generator that is",
        [](const RunOptions& asked, RunOptions* o) {
-         o->propose.proposers = PaperProposer(asked.propose), o->propose.generator = asked.propose.generator;
+         o->propose.proposers = PaperProposers(asked.propose), o->propose.generator = asked.propose.generator;
          o->propose.proposal_folder = asked.propose.proposal_folder;
        }},
       {"schedule", "+ schedule", "the paper's share of proposals over the run, 0.1 + t (1-t)^3",
@@ -155,8 +155,7 @@ int ViewsOfPublishedSteps(const std::string& scene, const RunOptions& options) {
   if (std::find(std::begin(kScenes), std::end(kScenes), scene) == std::end(kScenes)) return 0;
   const bool is_split_alike = options.split.test_every == 8 && options.split.train_views.empty() &&
                               options.split.test_views.empty() && options.split.view_steps == ViewSteps::kTruncate;
-  const bool is_sized_alike =
-      options.image.downscale == 4 && options.image.smaller_copies == SmallerCopies::kRequired;
+  const bool is_sized_alike = options.image.downscale == 4 && options.image.smaller_copies == SmallerCopies::kRequired;
   const int views = options.split.views;
   return is_split_alike && is_sized_alike && !PublishedSteps(views).empty() ? views : 0;
 }

@@ -44,8 +44,7 @@ struct Task {
 void RequireTamperable(const AblationRequest& request) {
   const RunOptions& asked = request.run.options;
   if (!request.options.rows.empty()) throw UsageError("--rows goes with --suite parts; leave it out");
-  if (asked.propose.Choice() != ProposerChoice::kSplat || !asked.propose.proposal_folder.empty() ||
-      !asked.propose.generator.empty()) {
+  if (!asked.propose.ByProxiesAlone()) {
     throw UsageError(
         "--suite tampering makes its own proposals; leave out --proposers, --proposal-folder and --generator");
   }
@@ -139,7 +138,7 @@ class TamperingSuite {
     request.options.start.seed = seed;
     request.options.split = WithListsRead(request.options.split);
     // A user's folder has no proxy models with it, so no run may use them.
-    request.options.propose.proposers = name == kModels ? ProposerChoice::kSplat : ProposerChoice::kNone;
+    request.options.propose.proposers = std::string(name == kModels ? kProxiesWord : kNoneWord);
     return request;
   }
 

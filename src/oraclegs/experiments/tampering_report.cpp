@@ -26,8 +26,8 @@ std::optional<double> MeanOver(const TamperingShare& share, Value&& number) {
   for (const TamperedConfidence& c : share.confidence) {
     if (const std::optional<double> value = number(c)) values.push_back(*value);
   }
-  const std::optional<Spread> spread = SpreadOf(values);
-  return spread ? std::optional(spread->mean) : std::nullopt;
+  const std::optional<Statistic> statistic = StatisticOf(values);
+  return statistic ? std::optional(statistic->mean) : std::nullopt;
 }
 
 std::optional<double> MeanConfidence(const TamperingShare& share, std::optional<double> TamperedConfidence::*field) {
@@ -42,10 +42,10 @@ std::string Number(const std::optional<double>& value, int decimals) {
   return value ? fmt::format("{:.{}f}", *value, decimals) : "-";
 }
 
-std::string PsnrCell(const std::optional<Spread>& spread) {
-  if (!spread) return "-";
-  return spread->deviation ? fmt::format("{:.2f} ± {:.2f}", spread->mean, *spread->deviation)
-                           : fmt::format("{:.2f}", spread->mean);
+std::string PsnrCell(const std::optional<Statistic>& statistic) {
+  if (!statistic) return "-";
+  return statistic->deviation ? fmt::format("{:.2f} ± {:.2f}", statistic->mean, *statistic->deviation)
+                              : fmt::format("{:.2f}", statistic->mean);
 }
 
 std::vector<std::string> ShareCells(const TamperingReport& report, size_t s) {
@@ -101,9 +101,9 @@ std::string MarkdownTable(const std::vector<std::vector<std::string>>& lines) {
 
 json OrNull(const std::optional<double>& value) { return value ? json(*value) : json(); }
 
-json SpreadToJson(const std::optional<Spread>& spread) {
-  if (!spread) return nullptr;
-  return {{"mean", spread->mean}, {"deviation", OrNull(spread->deviation)}, {"count", spread->count}};
+json StatisticToJson(const std::optional<Statistic>& statistic) {
+  if (!statistic) return nullptr;
+  return {{"mean", statistic->mean}, {"deviation", OrNull(statistic->deviation)}, {"count", statistic->count}};
 }
 
 json RunsToJson(const std::vector<TamperingRun>& runs) {
@@ -139,12 +139,12 @@ constexpr std::array kLineColors = {"#777777", "#c0392b", "#1f5fbf", "#2e8b57"};
 
 }  // namespace
 
-std::optional<Spread> TamperingPsnr(const TamperingReport& report, size_t share, TamperingTrust trust) {
+std::optional<Statistic> TamperingPsnr(const TamperingReport& report, size_t share, TamperingTrust trust) {
   std::vector<double> values;
   for (const TamperingRun& run : trust == TamperingTrust::kNone ? report.none : report.shares[share].runs) {
     if (run.trust == trust && run.psnr) values.push_back(*run.psnr);
   }
-  return SpreadOf(values);
+  return StatisticOf(values);
 }
 
 std::optional<double> TamperingRecovery(const TamperingReport& report, size_t share) {
@@ -172,7 +172,7 @@ json TamperingToJson(const TamperingReport& r) {
   for (size_t s = 0; s < r.shares.size(); ++s) {
     const TamperingShare& share = r.shares[s];
     json psnr = json::object(), confidence = json::array();
-    for (const TamperingTrust trust : kTrusts) psnr[NameOf(trust)] = SpreadToJson(TamperingPsnr(r, s, trust));
+    for (const TamperingTrust trust : kTrusts) psnr[NameOf(trust)] = StatisticToJson(TamperingPsnr(r, s, trust));
     for (const TamperedConfidence& c : share.confidence) confidence.push_back(ConfidenceToJson(c));
     shares.push_back({{"percent", share.percent},
                       {"psnr", std::move(psnr)},

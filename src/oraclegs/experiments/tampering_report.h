@@ -62,7 +62,7 @@ struct TamperingReport {
 };
 
 /// Test PSNR over the scored seeds, dB; TamperingTrust::kNone does not depend on the share.
-std::optional<Spread> TamperingPsnr(const TamperingReport& report, size_t share, TamperingTrust trust);
+std::optional<Statistic> TamperingPsnr(const TamperingReport& report, size_t share, TamperingTrust trust);
 
 /// (oracle - uniform) / (ideal - uniform), of mean PSNR: 1 = the oracle helps as much as an ideal one, 0 = as much as
 /// none, below 0 = it harms. nullopt where one is missing, or where the ideal one gains less than kMinIdealGain.

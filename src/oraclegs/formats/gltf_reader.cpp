@@ -24,7 +24,7 @@ constexpr double kUneven = 1e-3;  // relative
 constexpr int64_t kPlausibleRows = 1 << 16, kLeastBytesPerRow = 8;
 constexpr int64_t kPlausiblePacked = 1 << 18, kMostPackedPerByte = 16;
 
-struct GltfPart {
+struct NodeSplat {
   Gaussians gaussians;
   int degree;
   std::vector<float> support;
@@ -50,7 +50,7 @@ class GltfReader {
     }
   }
 
-  std::vector<GltfPart> Take() { return std::move(parts_); }
+  std::vector<NodeSplat> Take() { return std::move(splats_); }
   const std::set<std::string>& warnings() const { return warnings_; }
 
  private:
@@ -154,15 +154,16 @@ class GltfReader {
     const nlohmann::json none = nlohmann::json::object();
     const nlohmann::json inner = extension.is_object() ? extension.value("extensions", none) : none;
     const nlohmann::json spz = inner.is_object() ? inner.value(kSpzExtension, none) : none;
-    GltfPart part = spz.is_object() && spz.contains("bufferView") ? FromSpz(glb_.Integer(spz, "bufferView", -1))
-                                                                  : FromAttributes(primitive.value("attributes", none));
-    ConvertColors(extension, &part);
-    if (!matrix.isIdentity(0)) part.gaussians = Transformed(part.gaussians, SimilarityOf(matrix));
-    parts_.push_back(std::move(part));
+    NodeSplat node = spz.is_object() && spz.contains("bufferView")
+                         ? FromSpz(glb_.Integer(spz, "bufferView", -1))
+                         : FromAttributes(primitive.value("attributes", none));
+    ConvertColors(extension, &node);
+    if (!matrix.isIdentity(0)) node.gaussians = Transformed(node.gaussians, SimilarityOf(matrix));
+    splats_.push_back(std::move(node));
   }
 
   /// Brings colors that are stored as linear light to the program's.
-  void ConvertColors(const nlohmann::json& extension, GltfPart* part) {
+  void ConvertColors(const nlohmann::json& extension, NodeSplat* node) {
     const nlohmann::json space =
         extension.is_object() ? extension.value("colorSpace", nlohmann::json()) : nlohmann::json();
     if (space.is_null() || space == kDisplayColors) return;
@@ -171,7 +172,7 @@ class GltfReader {
           fmt::format("{}: its colors are linear; they are converted to sRGB, which is not exact where "
                       "Gaussians cover each other",
                       glb_.file()));
-      ColorsFromLinear(part->degree, &part->gaussians);
+      ColorsFromLinear(node->degree, &node->gaussians);
       return;
     }
     warnings_.insert(
@@ -179,7 +180,7 @@ class GltfReader {
                     QuotedForMessage(space.is_string() ? space.get<std::string>() : space.dump()), kDisplayColors));
   }
 
-  GltfPart FromSpz(int64_t view) {
+  NodeSplat FromSpz(int64_t view) {
     GaussianPly splat = DecodeSpz(glb_.View(view), glb_.file());
     warnings_.insert(splat.warnings.begin(), splat.warnings.end());
     Count(&packed_, splat.gaussians.size(), most_packed_);
@@ -187,7 +188,7 @@ class GltfReader {
     return {splat.gaussians, splat.sh_degree, {}};
   }
 
-  GltfPart FromAttributes(const nlohmann::json& attributes) {
+  NodeSplat FromAttributes(const nlohmann::json& attributes) {
     if (!attributes.is_object()) Fail("a primitive has no attributes");
     const auto accessor = [&](const std::string& name) { return glb_.Integer(attributes, name.c_str(), -1); };
     for (const char* name : {"POSITION", kSplatRotation, kSplatScale, kSplatOpacity}) {
@@ -200,7 +201,7 @@ class GltfReader {
     if (degree == kMaxShDegree && accessor(HarmonicAttribute(kShCoefficients)) >= 0) {
       warnings_.insert(DegreeLeftOut(degree + 1, glb_.file()));
     }
-    GltfPart part{ZeroSplat(n, degree, glb_.file()).gaussians, degree, {}};
+    NodeSplat node{ZeroSplat(n, degree, glb_.file()).gaussians, degree, {}};
     const auto floats = [&](const std::string& name, int components) {
       std::vector<float> values = glb_.Floats(accessor(name), components);
       if (static_cast<int64_t>(values.size()) != n * components)
@@ -209,7 +210,7 @@ class GltfReader {
     };
     const std::vector<float> means = floats("POSITION", 3), rotations = floats(kSplatRotation, 4),
                              scales = floats(kSplatScale, 3), opacities = floats(kSplatOpacity, 1);
-    const GaussianRows all = part.gaussians.Rows();
+    const GaussianRows all = node.gaussians.Rows();
     for (int64_t i = 0; i < n; ++i) {
       const GaussianRows g = all.From(i);
       g.quats[0] = rotations[4 * i + 3];
@@ -226,11 +227,11 @@ class GltfReader {
       const std::vector<float> sh = floats(HarmonicAttribute(k), 3);
       for (int64_t i = 0; i < n; ++i) std::copy_n(sh.data() + 3 * i, 3, all.From(i).sh + 3 * k);
     }
-    if (accessor(kSplatSupport) >= 0) part.support = floats(kSplatSupport, 1);
-    for (const float s : part.support) {
+    if (accessor(kSplatSupport) >= 0) node.support = floats(kSplatSupport, 1);
+    for (const float s : node.support) {
       if (!(s >= 0 && s <= 1)) Fail(fmt::format("{} has {}, expected 0 to 1", kSplatSupport, s));
     }
-    return part;
+    return node;
   }
 
   const GlbFile& glb_;
@@ -239,7 +240,7 @@ class GltfReader {
   int64_t rows_ = 0, packed_ = 0;  // Gaussians so far, of attributes and of SPZ
   int64_t most_rows_, most_packed_;
   std::vector<std::pair<int64_t, std::shared_ptr<const Eigen::Matrix4d>>> left_;
-  std::vector<GltfPart> parts_;
+  std::vector<NodeSplat> splats_;
   std::set<std::string> warnings_;
 };
 
@@ -251,25 +252,25 @@ constexpr float kLeastSpread = 1e-3f;  // of a color over the directions; for a 
 GaussianPly DecodeGltf(std::string_view bytes, const std::string& file) {
   const GlbFile glb(bytes, file);
   GltfReader reader(glb, bytes.size());
-  const std::vector<GltfPart> parts = reader.Take();
+  const std::vector<NodeSplat> splats = reader.Take();
   int64_t n = 0;
   int degree = 0;
-  for (const GltfPart& part : parts) {
-    n += part.gaussians.size();
-    degree = std::max(degree, part.degree);
+  for (const NodeSplat& node : splats) {
+    n += node.gaussians.size();
+    degree = std::max(degree, node.degree);
   }
-  if (parts.empty()) throw InputError("{}: no node of its scene has Gaussians ({})", file, kSplatExtension);
+  if (splats.empty()) throw InputError("{}: no node of its scene has Gaussians ({})", file, kSplatExtension);
   GaussianPly splat = ZeroSplat(n, degree, file);
   splat.warnings.assign(reader.warnings().begin(), reader.warnings().end());
   int64_t row = 0;
-  for (const GltfPart& part : parts) {
+  for (const NodeSplat& node : splats) {
     std::vector<Buffer<float>> from;
-    part.gaussians.ForEach([&](const char*, const Buffer<float>& b) { from.push_back(b); });
+    node.gaussians.ForEach([&](const char*, const Buffer<float>& b) { from.push_back(b); });
     size_t i = 0;
     splat.gaussians.ForEach(
-        [&](const char*, Buffer<float>& to) { to.Rows(row, row + part.gaussians.size()).CopyFrom(from[i++]); });
-    row += part.gaussians.size();
-    splat.support.insert(splat.support.end(), part.support.begin(), part.support.end());
+        [&](const char*, Buffer<float>& to) { to.Rows(row, row + node.gaussians.size()).CopyFrom(from[i++]); });
+    row += node.gaussians.size();
+    splat.support.insert(splat.support.end(), node.support.begin(), node.support.end());
   }
   if (static_cast<int64_t>(splat.support.size()) != n) splat.support.clear();  // of a part of them it would mislead
   const GaussianRows all = splat.gaussians.Rows();

@@ -13,11 +13,11 @@ namespace oraclegs {
 /// numbers, the Gaussian's largest standard deviation and the median Gaussian's middle one: a size may be off by a
 /// quarter of it besides, and a position by a thousandth of its distance from the middle of the scene.
 struct SplatPromise {
-  float position;                     ///< as a share of that number
-  float log_scale;                    ///< of the logarithm of a standard deviation
-  float color;                        ///< of a color in [0, 1]
+  float position;                     ///< error as a fraction of that number
+  float log_scale;                    ///< error of the logarithm of a standard deviation
+  float color;                        ///< error of a color in [0, 1]
   float lowest_color, highest_color;  ///< colors beyond are cut
-  float harmonic;                     ///< of a higher coefficient
+  float harmonic;                     ///< error of a higher coefficient
   float largest_harmonic;             ///< those beyond +- it are cut; 0 = the format has none
 };
 

@@ -12,7 +12,7 @@
 
 namespace oraclegs {
 
-enum class FileOrder { kKept, kByPlace };  ///< of the Gaussians in a file: the model's, or neighbors together
+enum class FileOrder { kKept, kByPlace };  ///< order of a file's Gaussians: the model's, or neighbors together
 
 /// A row of the list of splat formats: everything that is known of one.
 struct SplatFormat {
@@ -24,7 +24,7 @@ struct SplatFormat {
   bool keeps_comments = false;
   bool keeps_antialiased = false;  ///< has a mark for models that were trained antialiased
   GaussianPly (*decode)(std::string_view bytes, const std::string& file);
-  std::string (*encode)(const GaussianPly& splat);  ///< of the program's axes, and of no higher degree
+  std::string (*encode)(const GaussianPly& splat);  ///< takes the program's axes, and no higher degree
 };
 
 /// All formats. Whoever reads, writes, turns or names splat files goes by these rows.

@@ -12,7 +12,7 @@ namespace oraclegs {
 
 enum class SpzVersion {
   k2 = 2,  ///< rotations of 3 bytes; what glTF allows
-  k3 = 3,  ///< of 4 bytes, many times as exact
+  k3 = 3,  ///< rotations of 4 bytes, many times as exact
 };
 
 /// The bytes of a .spz file; the Gaussians keep their order. Errors by the quantization: opacity 1/510, color 0.0037

@@ -17,7 +17,7 @@ inline constexpr int kMaxFractionalBits = 23;
 struct SpzLayout {
   SpzLayout(uint64_t n, int degree, uint32_t version);
 
-  uint64_t position_bytes, rotation_bytes, sh_bytes;  ///< of one Gaussian
+  uint64_t position_bytes, rotation_bytes, sh_bytes;  ///< bytes of one Gaussian
   uint64_t alphas, colors, scales, rotations, sh, end;
 };
 

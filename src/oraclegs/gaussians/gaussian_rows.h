@@ -6,7 +6,7 @@
 
 namespace oraclegs {
 
-inline constexpr int kShFloats = 48;  ///< of one Gaussian: 16 coefficients of 3 channels
+inline constexpr int kShFloats = 48;  ///< a Gaussian has 16 coefficients of 3 channels
 /// The constant spherical harmonic: without the others, color = 0.5 + kConstantSh * sh.
 inline constexpr double kConstantSh = 0.28209479177387814;
 

@@ -35,7 +35,7 @@ PointCloud RandomPointsInCube(const std::vector<Camera>& cameras, int64_t n, uin
 std::vector<float> MeanSquaredNeighborDistance(const std::vector<Eigen::Vector3f>& points, Device device = kCpu);
 
 struct InitializeOptions {
-  double scale_factor = 0.1;  ///< of the root mean squared neighbor distance ([Kheradmand 2024]: 0.1; [Kerbl 2023]: 1)
+  double scale_factor = 0.1;  ///< factor of the RMS neighbor distance ([Kheradmand 2024]: 0.1; [Kerbl 2023]: 1)
   double opacity = 0.5;       ///< start opacity
 };
 

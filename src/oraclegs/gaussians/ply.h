@@ -18,7 +18,7 @@ void WriteGaussianPly(const std::filesystem::path& path, const Gaussians& gaussi
 
 struct GaussianPly {
   Gaussians gaussians;
-  int sh_degree = 0;  ///< of the file; higher coefficients are zero
+  int sh_degree = 0;  ///< degree of the file; higher coefficients are zero
   std::vector<std::string> comments = {};
   std::vector<float> support = {};         ///< [N] in [0, 1], how far the images support each Gaussian; empty = unknown
   bool antialiased = false;                ///< the file says that it was trained so (docs/method.md#antialiasing)

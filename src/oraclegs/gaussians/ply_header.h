@@ -19,7 +19,7 @@ struct PlyProperty {
   std::string name;
   PlyType type = PlyType::kFloat;
   bool is_list = false;
-  PlyType count_type = PlyType::kUint8;  ///< of a list's length
+  PlyType count_type = PlyType::kUint8;  ///< type of a list's length
 };
 
 struct PlyElement {

@@ -16,11 +16,11 @@ struct GpsPosition {
 /// The notes of a camera; 0 or empty where unknown. Texts are printable ASCII.
 struct Exif {
   int orientation = 1;                    ///< tag 0x0112: 1 to 8, 1 = upright
-  double focal_mm = 0;                    ///< of the lens, millimeters
-  double focal_35mm = 0;                  ///< of a lens of the same angle of view in front of 36 mm x 24 mm
+  double focal_mm = 0;                    ///< focal length of the lens, millimeters
+  double focal_35mm = 0;                  ///< focal length with the same angle of view on 36 mm x 24 mm
   double pixels_per_mm = 0;               ///< on the sensor, along the image's width
-  int pixel_width = 0, pixel_height = 0;  ///< of the image as the camera wrote it, unturned
-  std::string make, model;                ///< of the camera
+  int pixel_width = 0, pixel_height = 0;  ///< size of the image as the camera wrote it, unturned
+  std::string make, model;                ///< maker and model of the camera
   std::string date;                       ///< when taken: "2026:11:23 10:00:00"
   std::optional<GpsPosition> gps;
 

@@ -24,7 +24,7 @@ void ReadImageSize(const std::filesystem::path& path, int* width, int* height,
 struct ImageInfo {
   int width = 0, height = 0;  ///< as ReadImage would return them
   Exif exif;
-  std::string extension;  ///< of such files, by content: ".jpg"
+  std::string extension;  ///< usual end of such a file's name, by its content: ".jpg"
 };
 
 /// Reads size, EXIF and kind of an image without decoding its pixels. Throws InputError naming the file.

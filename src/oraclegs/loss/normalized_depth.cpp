@@ -22,7 +22,7 @@ void ForCounted(const DepthImages& images, const ImagePatch& patch, F&& f) {
   }
 }
 
-struct Spread {
+struct WeightedMoments {
   double weight = 0, mean = 0;
   double squares = 0;  ///< weighted sum of squared differences from the mean
 
@@ -32,24 +32,24 @@ struct Spread {
   }
 };
 
-Spread SpreadOf(const DepthImages& images, const Buffer<float>& values, const ImagePatch& patch) {
-  Spread spread;
+WeightedMoments MomentsOf(const DepthImages& images, const Buffer<float>& values, const ImagePatch& patch) {
+  WeightedMoments moments;
   double sum = 0;
   ForCounted(images, patch, [&](int64_t i, double w) {
-    spread.weight += w;
+    moments.weight += w;
     sum += w * static_cast<double>(values[i]);
   });
-  if (!(spread.weight > 0)) return spread;
-  spread.mean = sum / spread.weight;
+  if (!(moments.weight > 0)) return moments;
+  moments.mean = sum / moments.weight;
   ForCounted(images, patch, [&](int64_t i, double w) {
-    const double d = static_cast<double>(values[i]) - spread.mean;
-    spread.squares += w * d * d;
+    const double d = static_cast<double>(values[i]) - moments.mean;
+    moments.squares += w * d * d;
   });
-  return spread;
+  return moments;
 }
 
-/// Spread of the union of two disjoint sets.
-Spread Joined(const Spread& a, const Spread& b) {
+/// Moments of the union of two disjoint sets.
+WeightedMoments Joined(const WeightedMoments& a, const WeightedMoments& b) {
   if (!(b.weight > 0)) return a;
   const double weight = a.weight + b.weight, apart = b.mean - a.mean;
   return {weight, a.mean + apart * b.weight / weight,
@@ -59,8 +59,8 @@ Spread Joined(const Spread& a, const Spread& b) {
 /// One image with the statistics of its patches.
 struct NormalizedImage {
   const Buffer<float>* values;
-  std::vector<Spread> patches;
-  Spread all;                    ///< over the used patches
+  std::vector<WeightedMoments> patches;
+  WeightedMoments all;           ///< over the used patches
   std::vector<double> divisors;  ///< divisor of each patch; 0 = unused
 
   double At(size_t patch, int64_t pixel) const {
@@ -70,14 +70,15 @@ struct NormalizedImage {
 
 NormalizedImage Normalize(const DepthImages& images, const Buffer<float>& values,
                           const std::vector<ImagePatch>& patches, DepthNormalization normalization) {
-  NormalizedImage out{&values, std::vector<Spread>(patches.size()), {}, std::vector<double>(patches.size(), 0.0)};
+  NormalizedImage out{
+      &values, std::vector<WeightedMoments>(patches.size()), {}, std::vector<double>(patches.size(), 0.0)};
   ParallelFor(static_cast<int64_t>(patches.size()),
-              [&](int64_t k) { out.patches[k] = SpreadOf(images, values, patches[k]); });
-  for (const Spread& patch : out.patches) {
+              [&](int64_t k) { out.patches[k] = MomentsOf(images, values, patches[k]); });
+  for (const WeightedMoments& patch : out.patches) {
     if (patch.weight >= 2) out.all = Joined(out.all, patch);
   }
   const bool local = normalization == DepthNormalization::kLocal;
-  const double whole = local ? 0 : SpreadOf(images, values, {0, 0, images.width(), images.height()}).Deviation();
+  const double whole = local ? 0 : MomentsOf(images, values, {0, 0, images.width(), images.height()}).Deviation();
   for (size_t k = 0; k < patches.size(); ++k) {
     if (!(out.patches[k].weight >= 2)) continue;
     out.divisors[k] = (local ? out.patches[k].Deviation() : whole) + kSmoothing * out.all.Deviation();
@@ -159,7 +160,7 @@ double NormalizedDepthLoss(const DepthImages& images, const NormalizedDepthOptio
   ParallelFor(static_cast<int64_t>(patches.size()), [&](int64_t task) {
     const auto k = static_cast<size_t>(task);
     if (!pair.Counts(k)) return;
-    const Spread& patch = rendered.patches[k];
+    const WeightedMoments& patch = rendered.patches[k];
     const double d = rendered.divisors[k], deviation = patch.Deviation();
     const bool through_own = options.normalization == DepthNormalization::kLocal && deviation > 0;
     const double to_own = through_own ? errors[k].with_value / (d * (patch.weight - 1) * deviation) : 0;

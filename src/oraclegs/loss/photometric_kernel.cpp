@@ -59,7 +59,7 @@ HWY_INLINE void CopyColumns(const float* HWY_RESTRICT row, int width, const Tile
 }
 
 /// Writes one confidence row of the tile with its halo into `out`, once for each channel, zero outside the image.
-HWY_INLINE void SpreadConfidence(const float* HWY_RESTRICT row, int width, const Tile& tile, float* HWY_RESTRICT out) {
+HWY_INLINE void RepeatConfidence(const float* HWY_RESTRICT row, int width, const Tile& tile, float* HWY_RESTRICT out) {
   const FloatTag d;
   const int left = tile.x0 - 2 * kRadius, right = tile.x1 + 2 * kRadius;
   const int begin = std::max(left, 0), end = std::min(right, width);
@@ -90,7 +90,7 @@ HWY_INLINE void FetchRow(const Images& images, const Tile& tile, int y, int slot
   float* HWY_RESTRICT ys = s->input[Scratch::kTarget][slot];
   CopyColumns(images.render + 3 * row, images.width, tile, xs);
   CopyColumns(images.target + 3 * row, images.width, tile, ys);
-  SpreadConfidence(images.confidence == nullptr ? nullptr : images.confidence + row, images.width, tile,
+  RepeatConfidence(images.confidence == nullptr ? nullptr : images.confidence + row, images.width, tile,
                    s->input[Scratch::kConfidence][slot]);
   for (int i = 0; i < columns; i += kLanes) {
     const FloatVec x = hn::Load(d, xs + i), y_value = hn::Load(d, ys + i);

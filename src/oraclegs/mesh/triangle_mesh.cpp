@@ -14,9 +14,9 @@ Eigen::Vector3f CrossOf(const TriangleMesh& mesh, const std::array<uint32_t, 3>&
 }
 
 /// Connected components of the vertices.
-class VertexParts {
+class ConnectedVertices {
  public:
-  explicit VertexParts(size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  explicit ConnectedVertices(size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
 
   uint32_t Of(uint32_t vertex) {
     while (parent_[vertex] != vertex) vertex = parent_[vertex] = parent_[parent_[vertex]];
@@ -43,20 +43,20 @@ void SetNormals(TriangleMesh* mesh) {
 }
 
 TriangleMesh WithoutSmallParts(const TriangleMesh& mesh, double min_share) {
-  VertexParts parts(mesh.positions.size());
-  for (const auto& t : mesh.triangles) parts.Join(t[0], t[1]), parts.Join(t[1], t[2]);
+  ConnectedVertices connected(mesh.positions.size());
+  for (const auto& t : mesh.triangles) connected.Join(t[0], t[1]), connected.Join(t[1], t[2]);
   std::vector<double> area(mesh.positions.size());
   double all = 0;
   for (const auto& triangle : mesh.triangles) {
     const double twice = CrossOf(mesh, triangle).norm();
-    area[parts.Of(triangle[0])] += twice;
+    area[connected.Of(triangle[0])] += twice;
     all += twice;
   }
   constexpr uint32_t kUnused = UINT32_MAX;
   std::vector<uint32_t> renamed(mesh.positions.size(), kUnused);
   TriangleMesh kept;
   for (std::array<uint32_t, 3> triangle : mesh.triangles) {
-    if (area[parts.Of(triangle[0])] < min_share * all) continue;
+    if (area[connected.Of(triangle[0])] < min_share * all) continue;
     for (uint32_t& vertex : triangle) {
       uint32_t& name = renamed[vertex];
       if (name == kUnused) {

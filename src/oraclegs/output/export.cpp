@@ -37,11 +37,12 @@ GaussianPly Pruned(const GaussianPly& splat, const ExportOptions& options, const
         file);
   }
   const float* logits = gaussians.opacity_logits.data();
-  const std::vector<bool> lonely = options.remove_outliers ? LonelyGaussians(gaussians) : std::vector<bool>();
+  const std::vector<bool> outliers = options.remove_outliers ? OutlierGaussians(gaussians) : std::vector<bool>();
   std::vector<int64_t> kept;
   for (int64_t i = 0; i < gaussians.size(); ++i) {
     const Eigen::Vector3d mean = Eigen::Map<const Eigen::Vector3f>(gaussians.means.data() + 3 * i).cast<double>();
-    const bool keep = Sigmoid(logits[i]) >= options.min_opacity && crop.Holds(mean) && (lonely.empty() || !lonely[i]) &&
+    const bool keep = Sigmoid(logits[i]) >= options.min_opacity && crop.Holds(mean) &&
+                      (outliers.empty() || !outliers[i]) &&
                       (options.min_support <= 0 || splat.support[i] >= static_cast<float>(options.min_support));
     if (keep) kept.push_back(i);
   }

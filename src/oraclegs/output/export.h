@@ -59,7 +59,7 @@ bool NeedsCameras(const ExportOptions& options);
 GaussianPly Pruned(const GaussianPly& splat, const ExportOptions& options, const Crop& crop, const std::string& file);
 
 struct ExportResult {
-  std::string extension;          ///< of the written file: ".spz"
+  std::string extension;          ///< end of the written file's name: ".spz"
   int64_t before = 0, after = 0;  ///< Gaussians
   int sh_degree = 0;              ///< SH degree of the written file
   uint64_t bytes = 0;             ///< size of the written file

@@ -12,7 +12,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr double kLonely = 3.5;             // robust standard deviations
+constexpr double kOutlier = 3.5;            // robust standard deviations
 constexpr double kDeviationOfMad = 1.4826;  // standard deviation of a normal distribution over its MAD
 constexpr double kLeastSpread = 0.2;        // in the logarithm; a regular grid has no deviation at all
 constexpr double kReach = 3;                // standard deviations of a Gaussian within which it is visible
@@ -79,7 +79,7 @@ std::optional<Eigen::Vector3d> ParseAxis(const std::string& text) {
   return (negative ? -1.0 : 1.0) * Eigen::Vector3d::Unit(static_cast<Eigen::Index>(axis));
 }
 
-std::vector<bool> LonelyGaussians(const Gaussians& gaussians) {
+std::vector<bool> OutlierGaussians(const Gaussians& gaussians) {
   const int64_t n = gaussians.size();
   std::vector<Eigen::Vector3f> points;
   for (int64_t i = 0; i < n; ++i) points.emplace_back(gaussians.means.data() + 3 * i);
@@ -89,14 +89,14 @@ std::vector<bool> LonelyGaussians(const Gaussians& gaussians) {
   const double middle = Median(logs);
   std::vector<double> deviations;
   for (const double l : logs) deviations.push_back(std::abs(l - middle));
-  const double limit = middle + kLonely * std::max(kDeviationOfMad * Median(&deviations), kLeastSpread);
-  std::vector<bool> lonely;
+  const double limit = middle + kOutlier * std::max(kDeviationOfMad * Median(&deviations), kLeastSpread);
+  std::vector<bool> outlier;
   for (int64_t i = 0; i < n; ++i) {
     const float* s = gaussians.log_scales.data() + 3 * i;
     const double reach = std::log(kReach) + std::max({s[0], s[1], s[2]});
-    lonely.push_back(n > 1 && logs[i] > limit && logs[i] > reach);
+    outlier.push_back(n > 1 && logs[i] > limit && logs[i] > reach);
   }
-  return lonely;
+  return outlier;
 }
 
 Eigen::Matrix3d TurnBetween(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {

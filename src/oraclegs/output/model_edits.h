@@ -33,7 +33,7 @@ std::optional<Eigen::Vector3d> ParseAxis(const std::string& text);
 /// True for outliers: the root mean square distance to the three nearest Gaussians is far above the median of all (by
 /// 3.5 robust standard deviations of its logarithm), and the Gaussian itself reaches less far (three standard
 /// deviations).
-std::vector<bool> LonelyGaussians(const Gaussians& gaussians);
+std::vector<bool> OutlierGaussians(const Gaussians& gaussians);
 
 /// Shortest rotation from one direction to another, both of unit length.
 Eigen::Matrix3d TurnBetween(const Eigen::Vector3d& from, const Eigen::Vector3d& to);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "oraclegs/propose/options.h"
 #include "oraclegs/propose/proposal.h"
 #include "oraclegs/render/render.h"
 
@@ -20,13 +21,13 @@ struct ProxyModel {
   std::vector<int> held_out;  ///< indices of training views
 };
 
-/// Proposer "splat": the mean of the members' renders (without the most extreme values where there are four or more),
+/// Proposer "proxies": the mean of the members' renders (without the most extreme values where there are four or more),
 /// and their spread. A held-out view is rendered by the leave-k-out models that were trained without it; nullopt when
 /// there is none.
 class EnsembleProposer : public Proposer {
  public:
   EnsembleProposer(std::vector<ProxyModel> members, RenderOptions render);
-  std::string name() const override { return "splat"; }
+  std::string name() const override { return kProxiesWord; }
   std::optional<Proposal> Propose(const Target& target, std::optional<int> held_out) const override;
 
  private:

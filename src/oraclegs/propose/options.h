@@ -2,20 +2,31 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "oraclegs/core/options.h"
+#include "oraclegs/core/word_list.h"
 
 namespace oraclegs {
 
-enum class ProposerChoice { kBoth, kWarp, kSplat, kSeva, kCommand, kAll, kNone };
+/// Words of --proposers that code beside their rows knows: of automatic choices, of --generator, and of no proposals.
+inline constexpr const char *kProxiesWord = "proxies", *kWarpWord = "warp", *kCommandWord = "command",
+                            *kNoneWord = "none";
 
-template <>
-struct EnumWords<ProposerChoice> {
-  static constexpr EnumWord<ProposerChoice> kWords[] = {
-      {ProposerChoice::kBoth, "both"}, {ProposerChoice::kWarp, "warp"},       {ProposerChoice::kSplat, "splat"},
-      {ProposerChoice::kSeva, "seva"}, {ProposerChoice::kCommand, "command"}, {ProposerChoice::kAll, "all"},
-      {ProposerChoice::kNone, "none"}};
+/// A proposer as options, help and settings know it; its row (stages/proposer_row.h) has the rest.
+struct KnownProposer {
+  const char* word;  ///< word of --proposers; sources of its proposals, and their folders, begin with it
+  const char* what;  ///< for the help
+  std::vector<const char*> networks = {};  ///< names in `oraclegs models` of the weights that it needs
 };
+
+/// The proposers there are, in the order of the help.
+const std::vector<KnownProposer>& KnownProposers();
+
+/// Words that --proposers takes beside "auto".
+std::vector<std::string> ProposerWords();
+const char* ProposersHelp();
 
 /// Size of the proposals.
 enum class ProposalSize {
@@ -28,7 +39,7 @@ struct EnumWords<ProposalSize> {
 };
 
 struct ProposeOptions {
-  Auto<ProposerChoice> proposers = {};  ///< see Choice
+  Auto<std::string> proposers = {};  ///< see Words
   std::string generator;
   std::filesystem::path proposal_folder;
   ProposalSize proposal_size = ProposalSize::kView;
@@ -38,11 +49,7 @@ struct ProposeOptions {
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
-    visit("proposers", self.proposers,
-          "What proposes new views: splat = an ensemble of proxy models, short trainings that each hold some photos "
-          "out; warp = photos warped by their depth; both; seva = Stable Virtual Camera, a generative network that "
-          "needs weights; all = these three; command = the program of --generator alone; none = nothing; auto = splat, "
-          "or warp with --quality draft");
+    visit("proposers", self.proposers, ProposersHelp(), WordList{ProposerWords()});
     visit("generator", self.generator,
           "Shell command of a program that generates the proposed views: from the folder {request}, with their poses, "
           "the photos warped to them and masks of the holes, into the folder {answer}, one image for each pose, e.g. "
@@ -57,7 +64,8 @@ struct ProposeOptions {
         "loss sees its pixels as they are",
         Tier::kSetting);
     visit("proxy-models", self.proxy_models,
-          "Proxy models to train for splat; of few photos more, so that each sees three", Range{2, 16}, Tier::kSetting);
+          "Proxy models to train for proxies; of few photos more, so that each sees three", Range{2, 16},
+          Tier::kSetting);
     visit("proxy-share", self.proxy_share,
           "Iterations of a proxy model with photos held out, as a fraction of --iterations; the errors on these photos "
           "calibrate the confidence",
@@ -70,22 +78,17 @@ struct ProposeOptions {
         Range{0, 1}, Tier::kSetting);
   }
 
-  ProposerChoice Choice() const { return proposers.ValueOr(ProposerChoice::kSplat); }
-
-  /// Whether proxy models are the only proposer.
-  bool ByProxiesAlone() const {
-    return Choice() == ProposerChoice::kSplat && generator.empty() && proposal_folder.empty();
-  }
-
-  /// Whether --proposers includes `one` (warp, splat or seva), or, for the command, --generator is given and proposals
-  /// are made.
-  bool Uses(ProposerChoice one) const {
-    const ProposerChoice choice = Choice();
-    if (one == ProposerChoice::kCommand) return choice != ProposerChoice::kNone && !generator.empty();
-    return choice == one || choice == ProposerChoice::kAll ||
-           (choice == ProposerChoice::kBoth && one != ProposerChoice::kSeva);
-  }
+  /// Words of --proposers, in their order; none for "none". --generator adds "command" to others.
+  std::vector<std::string> Words() const;
+  /// True when Words has the word.
+  bool Uses(std::string_view word) const;
+  /// True when proxy models are the only proposer.
+  bool ByProxiesAlone() const;
 };
+
+/// Throws UsageError for a word of --proposers that nothing has, with the nearest one, and where --proposers and
+/// --generator contradict each other.
+void CheckProposers(const ProposeOptions& options);
 
 /// Time limit of the command of --generator; may differ when a run is continued.
 struct GeneratorLimits {

@@ -23,7 +23,7 @@ inline constexpr const char* kMixed = "mixed";
 /// One candidate image for a target.
 struct Proposal {
   std::string name;    ///< name of the target
-  std::string source;  ///< the proposer: "warp", "splat", "folder"
+  std::string source;  ///< the proposer: "warp", "proxies", "folder"
   Camera camera;
   ImageF rgb;                         ///< 3 channels, [0, 1], in the mean exposure of the training images
   std::vector<float> inv_depth = {};  ///< height * width, 1/world unit, 0 = unknown; empty = the proposer has none

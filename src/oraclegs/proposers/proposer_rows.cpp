@@ -11,34 +11,27 @@ namespace {
 
 namespace fs = std::filesystem;
 
-template <ProposerChoice choice>
-bool Uses(const Run& run) {
-  return run.plan.Uses(run.options, choice);
-}
-
 void RemoveFolder(const fs::path& folder) {
   std::error_code ignored;
   fs::remove_all(folder, ignored);
 }
 
 ProposerRow WarpRow() {
-  return {.word = "warp",
+  return {.word = kWarpWord,
           .can_hold_out = true,
           .stands_in = true,
-          .wanted = Uses<ProposerChoice::kWarp>,
           .make =
               [](const Run&, const Warper& warper) {
                 std::vector<AskedProposer> members;
                 members.push_back({std::make_unique<WarpProposer>(warper)});
                 return members;
               },
-          .undo = [](const fs::path& proposals) { RemoveFolder(proposals / "warp"); }};
+          .undo = [](const fs::path& proposals) { RemoveFolder(proposals / kWarpWord); }};
 }
 
 ProposerRow ProxiesRow() {
-  return {.word = "splat",
+  return {.word = kProxiesWord,
           .can_hold_out = true,
-          .wanted = Uses<ProposerChoice::kSplat>,
           .make =
               [](const Run& run, const Warper&) {
                 std::vector<AskedProposer> members;
@@ -49,14 +42,13 @@ ProposerRow ProxiesRow() {
                     {.proposer = std::make_unique<EnsembleProposer>(run.results->proxies, render), .renders = true});
                 return members;
               },
-          .undo = [](const fs::path& proposals) { RemoveFolder(proposals / "splat"); }};
+          .undo = [](const fs::path& proposals) { RemoveFolder(proposals / kProxiesWord); }};
 }
 
 ProposerRow SevaRow() {
   return {.word = "seva",
           .sees_anything = true,
           .non_commercial = kSevaName,
-          .wanted = Uses<ProposerChoice::kSeva>,
           .own_size =
               [](const Run& run, PixelSize view) {
                 const seva::Size size = seva::GeneratedSize({view.width, view.height}, run.options.seva.short_side);
@@ -95,9 +87,8 @@ void RunCommand(Run* run, const std::string&) {
 }
 
 ProposerRow CommandRow() {
-  return {.word = "command",
+  return {.word = kCommandWord,
           .sees_anything = true,
-          .wanted = Uses<ProposerChoice::kCommand>,
           .prepare = RunCommand,
           .make =
               [](const Run& run, const Warper&) {

@@ -93,7 +93,7 @@ class ProxyTrainer {
     const Geometry rest = GeometryWithout(geometry_, shown, held_out);
     if (kept.size() < kMinViewsOfProxy || rest.points.size() < kMinPointsForStart) {
       run_.listener(Warning{fmt::format(
-          "no proxy models for --proposers splat: one would have {} views and {} dense points, and needs {} and {}; "
+          "no proxy models for --proposers proxies: one would have {} views and {} dense points, and needs {} and {}; "
           "views are warped instead",
           kept.size(), rest.points.size(), kMinViewsOfProxy, kMinPointsForStart)});
       return false;
@@ -152,11 +152,11 @@ class ProxyTrainer {
 int Count(const Run& run) { return ProxyCount(run.options.propose, static_cast<int>(run.split.train.size())); }
 
 /// Name of model k's record in stages.json.
-std::string PartName(int k) { return fmt::format("proxy {}", k); }
+std::string RecordName(int k) { return fmt::format("proxy {}", k); }
 
 /// Files of model k, relative to the workspace: before it was trained with all views, and after.
 std::vector<std::string> FilesOf(int k) {
-  return {fmt::format("proposals/proxies/{}_before.ply", k), fmt::format("proposals/proxies/{}.ply", k)};
+  return {fmt::format("proposals/proxy_models/{}_before.ply", k), fmt::format("proposals/proxy_models/{}.ply", k)};
 }
 
 void AddProxyKey(Run* run, Fingerprint* key) {
@@ -180,7 +180,7 @@ ProxyModel ReadProxy(const Run& run, int k) {
 
 /// Whether model k was made from inputs of this key, and can be read.
 bool HasProxy(const Run& run, int k, const std::string& key) {
-  if (!run.workspace.IsDone(PartName(k), key)) return false;
+  if (!run.workspace.IsDone(RecordName(k), key)) return false;
   try {
     ReadProxy(run, k);
     return true;
@@ -203,18 +203,18 @@ std::optional<nlohmann::json> MakeProxy(Run* run, const std::string& key) {
   const ProxyTrainer trainer(run);
   std::vector<std::string> all;
   for (int k = 0; k < n; ++k) {
-    const std::string part = PartName(k);
+    const std::string record = RecordName(k);
     const std::vector<std::string> files = FilesOf(k);
     all.insert(all.end(), files.begin(), files.end());
     if (HasProxy(*run, k, key)) continue;
-    run->workspace.MarkUndone(part);
+    run->workspace.MarkUndone(record);
     const int64_t each = trainer.iterations();
     if (!trainer.Train(k, HeldOutViews(views, n, k),
                        {run->workspace.root() / files[0], run->workspace.root() / files[1]},
                        AsProxies(run->listener, k * each, n * each))) {
       return std::nullopt;
     }
-    run->workspace.MarkDone(part, {{"key", key}, {"files", files}});
+    run->workspace.MarkDone(record, {{"key", key}, {"files", files}});
   }
   LoadProxy(run);
   return nlohmann::json{{"models", n}, {"files", all}};
@@ -222,7 +222,7 @@ std::optional<nlohmann::json> MakeProxy(Run* run, const std::string& key) {
 
 double SecondsOfProxies(const EstimateInput& input) {
   const ProposeOptions& propose = input.options.propose;
-  if (!ProposesViews(input.options) || !propose.Uses(ProposerChoice::kSplat)) return 0;
+  if (!ProposesViews(input.options) || !propose.Uses(kProxiesWord)) return 0;
   const bool is_object = input.covered < 1;
   const double iterations =
       (propose.proxy_share + SettleProxyFinish(propose, is_object)) * input.options.train.iterations.value();
@@ -255,7 +255,7 @@ int ProxyCount(const ProposeOptions& options, int views) {
 }
 
 StageWork ProxyStage() {
-  return {.wanted = [](const Run& run) { return run.plan.Uses(run.options, ProposerChoice::kSplat); },
+  return {.wanted = [](const Run& run) { return run.plan.Uses(run.options, kProxiesWord); },
           .own = AddProxyKey,
           .make = MakeProxy,
           .load = LoadProxy,

@@ -16,10 +16,10 @@ inline constexpr int kViewsOfProxy = 3;
 /// views than kViewsOfProxy.
 int ProxyCount(const ProposeOptions& options, int views);
 
-/// Stage "proxies": the models of proposer "splat", each trained without the views that are held out from it, from what
-/// stereo found in the others, and then for --set proxy-finish with all (docs/method.md#proxy-models). Writes
-/// proposals/proxies/K_before.ply and K.ply; an interrupted run loses at most one. None, with a warning, when there are
-/// too few views or points. Other target poses are no reason to train them again.
+/// Stage "proxies": the models of proposer "proxies", each trained without the views that are held out from it, from
+/// what stereo found in the others, and then for --set proxy-finish with all (docs/method.md#proxy-models). Writes
+/// proposals/proxy_models/K_before.ply and K.ply; an interrupted run loses at most one. None, with a warning, when
+/// there are too few views or points. Other target poses are no reason to train them again.
 StageWork ProxyStage();
 
 }  // namespace oraclegs

@@ -28,9 +28,9 @@ bool IsSource(const std::string& folder) {
 }  // namespace
 
 SevaFiles FindSevaFiles(const WeightOptions& options) {
-  const fs::path unet = options.seva_weights.empty() ? RequireWeights(kSevaModels[0])
-                                                     : FindWeights(kSevaModels[0], options.seva_weights).front();
-  return {{unet}, RequireWeights(kSevaModels[1]), RequireWeights(kSevaModels[2])};
+  const fs::path unet =
+      options.seva_weights.empty() ? RequireWeights("seva") : FindWeights("seva", options.seva_weights).front();
+  return {{unet}, RequireWeights("sd21-vae"), RequireWeights("openclip-vith14")};
 }
 
 std::string SevaKey(const SevaOptions& options, const SevaFiles& files) {

@@ -74,9 +74,9 @@ size_t CountRole(const Scene& scene, DeclaredRole role) {
 }
 
 /// True for a list that names a view of the scene.
-bool NamesViews(const fs::path& list, const std::string& part, const std::set<std::string>& names) {
+bool NamesViews(const fs::path& list, const std::string& role, const std::set<std::string>& names) {
   try {
-    const std::vector<std::string> items = SplitTrimmed(ExpandViewList("@" + list.string(), part), ',');
+    const std::vector<std::string> items = SplitTrimmed(ExpandViewList("@" + list.string(), role), ',');
     return std::any_of(items.begin(), items.end(), [&](const std::string& item) {
       return names.count(fs::path(NormalName(item)).stem().string()) > 0;
     });
@@ -122,11 +122,11 @@ void ReportSplitLists(const Scene& scene, const SplitOptions& options, const Lis
   for (const SceneView& view : scene.views) names.insert(fs::path(view.name).stem().string());
   std::vector<std::string> ways;
   for (const fs::path& dir : {scene.root, scene.root / "sparse", scene.root / "sparse/0", scene.root / "images"}) {
-    for (const std::string part : {"train", "test"}) {
+    for (const std::string role : {"train", "test"}) {
       for (const char* pattern : {"{}.txt", "{}_list.txt", "{}_images.txt", "split.json", "train_test_split.json"}) {
-        const fs::path list = dir / fmt::format(fmt::runtime(pattern), part);
-        if (IsFile(list) && NamesViews(list, part, names)) {
-          ways.push_back(fmt::format("--{}-views @{}", part, ShellQuoted(list.string())));
+        const fs::path list = dir / fmt::format(fmt::runtime(pattern), role);
+        if (IsFile(list) && NamesViews(list, role, names)) {
+          ways.push_back(fmt::format("--{}-views @{}", role, ShellQuoted(list.string())));
         }
       }
     }

@@ -133,8 +133,8 @@ size_t CountImages(const std::vector<ColmapImage>& images, const ColmapCameras& 
 
 struct FittingModel {
   ModelPlace place;
-  size_t images = 0;  ///< of the model, that are there
-  size_t photos = 0;  ///< that are there
+  size_t images = 0;  ///< images of the model that are there
+  size_t photos = 0;  ///< photos that are there
 };
 
 /// The photos that the scene has when no model is used.

@@ -213,7 +213,7 @@ class PhotoSearch {
   std::set<fs::path> textures_;
   bool follows_links_ = false;
   std::vector<std::string> companions_, by_content_, notes_;
-  std::string poses_;                                        ///< of the first folder that has some
+  std::string poses_;                                        ///< poses of the first folder that has some
   std::map<std::string, std::vector<std::string>> skipped_;  ///< names by reason
 };
 

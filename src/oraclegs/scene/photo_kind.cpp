@@ -112,7 +112,7 @@ bool IsSogTable(const fs::path& path) {
 
 /// Moves what `is_companion` to the second list.
 template <class IsCompanion>
-void Part(std::vector<fs::path>* photos, std::vector<fs::path>* companions, const IsCompanion& is_companion) {
+void SetApart(std::vector<fs::path>* photos, std::vector<fs::path>* companions, const IsCompanion& is_companion) {
   const auto others = std::stable_partition(photos->begin(), photos->end(),
                                             [&](const fs::path& photo) { return !is_companion(photo); });
   std::move(others, photos->end(), std::back_inserter(*companions));
@@ -126,7 +126,7 @@ void TakeMapsByName(std::vector<fs::path>* photos, std::vector<fs::path>* compan
     const std::string key = KeyOf(photo, &is_map);
     if (!is_map) keys.insert({photo.parent_path(), key});
   }
-  Part(photos, companions, [&](const fs::path& photo) {
+  SetApart(photos, companions, [&](const fs::path& photo) {
     bool is_map = false;
     const std::string key = KeyOf(photo, &is_map);
     const bool is_of_all = key.empty() && IsMapWord(Lower(photo.stem().string()));  // thumbnail.jpg, mask.png
@@ -142,7 +142,7 @@ void TakeMapsByPixels(std::vector<fs::path>* photos, std::vector<fs::path>* comp
     if (gray > 0) bits[photo] = gray;
     if (gray == 0) colored.insert(photo.stem().string());
   }
-  Part(photos, companions, [&](const fs::path& photo) {
+  SetApart(photos, companions, [&](const fs::path& photo) {
     const auto gray = bits.find(photo);
     if (gray == bits.end() || colored.empty()) return false;
     return gray->second == 16 || colored.count(photo.stem().string()) > 0;
@@ -194,7 +194,7 @@ bool IsPhotoByContent(const fs::path& file) { return IsPhotoByContent(file, Read
 
 std::vector<fs::path> TakeCompanions(std::vector<fs::path>* photos) {
   std::vector<fs::path> companions;
-  Part(photos, &companions, IsSogTable);
+  SetApart(photos, &companions, IsSogTable);
   TakeMapsByName(photos, &companions);
   TakeMapsByPixels(photos, &companions);
   return companions;

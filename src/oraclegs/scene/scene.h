@@ -27,11 +27,11 @@ struct SceneView {
   std::filesystem::path image_path;  ///< exists
   std::filesystem::path mask_path;   ///< empty when there is none; white = use, black = ignore
   uint8_t mask_white = 255;          ///< the mask file's value for white; from half of it on, pixels are used
-  Intrinsics intrinsics;             ///< of the full-size image; params empty for a plain folder
+  Intrinsics intrinsics;             ///< intrinsics of the full-size image; params empty for a plain folder
   std::optional<Eigen::Isometry3d> cam_from_world;
-  std::string camera;              ///< of a plain folder: maker and model, from EXIF; may be empty
-  double focal_prior = 0;          ///< of a plain folder: focal length in pixels, from EXIF; 0 = unknown
-  std::optional<GpsPosition> gps;  ///< of a plain folder: from EXIF
+  std::string camera;              ///< maker and model, from the EXIF of a plain folder; may be empty
+  double focal_prior = 0;          ///< focal length in pixels, from the EXIF of a plain folder; 0 = unknown
+  std::optional<GpsPosition> gps;  ///< position from the EXIF of a plain folder
   bool as_stored = false;          ///< the camera describes the pixels as stored: the EXIF orientation is ignored
   DeclaredRole role = DeclaredRole::kNone;
 };

@@ -35,7 +35,7 @@ fs::path FindImage(const fs::path& root, const SceneReadOptions& options, const 
 struct FileViews {
   std::vector<SceneView> views;
   std::vector<std::string> missing_masks;
-  std::vector<double> roundings;  ///< of each view that has an image, as ReadTransformsPose returns it
+  std::vector<double> roundings;  ///< roundings by ReadTransformsPose, of each view with an image
 };
 
 SceneView MakeView(const TransformsFrame& frame, const std::string& written, const NamedFile& image,
@@ -149,27 +149,27 @@ Scene ReadTransformsScene(const fs::path& root, const SceneReadOptions& options,
 }
 
 Scene ReadBlenderScene(const fs::path& root, const SceneReadOptions& options, const Listener& listener) {
-  struct Part {
+  struct SplitFile {
     const char* file;
     DeclaredRole role;
   };
-  constexpr Part kParts[] = {{"transforms_train.json", DeclaredRole::kTrain},
-                             {"transforms_test.json", DeclaredRole::kTest},
-                             {"transforms_val.json", DeclaredRole::kVal}};
+  constexpr SplitFile kSplitFiles[] = {{"transforms_train.json", DeclaredRole::kTrain},
+                                       {"transforms_test.json", DeclaredRole::kTest},
+                                       {"transforms_val.json", DeclaredRole::kVal}};
   std::vector<SceneView> views;
   std::set<std::string> names;
-  for (const Part& part : kParts) {
-    const fs::path path = root / part.file;
-    if (part.role != DeclaredRole::kTrain && !IsFile(path)) {
-      if (part.role == DeclaredRole::kTest) {
+  for (const SplitFile& split : kSplitFiles) {
+    const fs::path path = root / split.file;
+    if (split.role != DeclaredRole::kTrain && !IsFile(path)) {
+      if (split.role == DeclaredRole::kTest) {
         listener(Warning{fmt::format("{}: has no transforms_test.json, so no view is held out", root.string())});
       }
       continue;
     }
     for (SceneView& view : ReadViews(path, kBlenderParts, options, listener)) {
-      view.role = part.role;
+      view.role = split.role;
       const bool is_new = names.insert(view.name).second;
-      if (is_new || part.role != DeclaredRole::kVal) views.push_back(std::move(view));
+      if (is_new || split.role != DeclaredRole::kVal) views.push_back(std::move(view));
     }
   }
   Scene scene;

@@ -75,12 +75,12 @@ int FindView(const Scene& scene, const ViewsByName& views, const std::string& op
                    SomeNames(NamesAt(scene, AllViews(scene))));
 }
 
-std::vector<std::string> NamesInJson(const std::string& text, const std::string& file, const std::string& part) {
+std::vector<std::string> NamesInJson(const std::string& text, const std::string& file, const std::string& role) {
   const nlohmann::json json = ParseUniqueJson(text, file, "list of views");
-  const auto names = json.find(part);
+  const auto names = json.find(role);
   if (names == json.end() || !names->is_array() ||
       !std::all_of(names->begin(), names->end(), [](const nlohmann::json& name) { return name.is_string(); })) {
-    throw InputError("{}: has no list \"{}\" of view names, as split.json of a run has", file, part);
+    throw InputError("{}: has no list \"{}\" of view names, as split.json of a run has", file, role);
   }
   return names->get<std::vector<std::string>>();
 }
@@ -96,7 +96,7 @@ std::vector<int> NamedViews(const Scene& scene, const std::string& option, const
   return named;
 }
 
-std::string ExpandViewList(const std::string& list, const std::string& part) {
+std::string ExpandViewList(const std::string& list, const std::string& role) {
   if (!list.starts_with('@')) return list;
   const std::string file = list.substr(1);
   std::string text = ReadFile(file, kMaxListBytes);
@@ -105,7 +105,7 @@ std::string ExpandViewList(const std::string& list, const std::string& part) {
   std::vector<std::string> names;
   const size_t first = text.find_first_not_of(" \t\r\n");
   if (first != std::string::npos && text[first] == '{') {
-    names = NamesInJson(text, file, part);
+    names = NamesInJson(text, file, role);
   } else {
     names = SplitTrimmed(text, '\n');
     std::erase_if(names, [](const std::string& name) { return name.starts_with('#'); });

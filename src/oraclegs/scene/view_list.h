@@ -15,9 +15,9 @@ namespace oraclegs {
 std::vector<int> NamedViews(const Scene& scene, const std::string& option, const std::string& list);
 
 /// A list that begins with @ names a file: one view a line (empty lines and those that begin with # do not count), or a
-/// JSON object such as a run's split.json, whose array `part` ("train" or "test") is taken. Returns the names, joined
+/// JSON object such as a run's split.json, whose array `role` ("train" or "test") is taken. Returns the names, joined
 /// by commas; any other list is returned as it is. Throws InputError naming the file: unreadable, over 1 MiB, not
 /// UTF-8, damaged JSON, without names, or with a name that holds a comma.
-std::string ExpandViewList(const std::string& list, const std::string& part);
+std::string ExpandViewList(const std::string& list, const std::string& role);
 
 }  // namespace oraclegs

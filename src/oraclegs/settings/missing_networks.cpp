@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/settings/plan.h"
 #include "oraclegs/weights/folder.h"
 
@@ -27,20 +28,29 @@ void AddIf(bool missing, MissingNetwork network, std::vector<MissingNetwork>* li
   if (missing) list->push_back(std::move(network));
 }
 
-void AddSeva(const RunOptions& options, std::vector<MissingNetwork>* list) {
-  if (!ProposesViews(options) || !options.propose.Uses(ProposerChoice::kSeva)) return;
-  MissingNetwork seva{
-      Asked("proposers", Word(options.propose.Choice())), {}, "", "--proposers splat", [](RunOptions* o) {
-        o->propose.proposers = ProposerChoice::kSplat;
-      }};
-  for (const char* model : kSevaModels) {
-    const bool is_given = model == kSevaModels[0] && !options.weights.seva_weights.empty();
-    if (!(is_given ? !FindWeights(model, options.weights.seva_weights).empty() : IsHere(model))) {
-      seva.models.emplace_back(model);
-    }
+/// The words of --proposers without one of them; proxy models where nothing is left.
+std::string WithoutProposer(const ProposeOptions& options, std::string_view word) {
+  std::vector<std::string> words = SplitTrimmed(options.proposers.ValueOr(kProxiesWord), ',');
+  std::erase(words, word);
+  if (words.empty()) words.emplace_back(kProxiesWord);
+  return fmt::format("{}", fmt::join(words, ","));
+}
+
+void AddProposer(const KnownProposer& proposer, const RunOptions& options, std::vector<MissingNetwork>* list) {
+  if (!ProposesViews(options) || !options.propose.Uses(proposer.word)) return;
+  MissingNetwork network{
+      Asked("proposers", proposer.word),
+      {},
+      "",
+      Asked("proposers", WithoutProposer(options.propose, proposer.word)),
+      [word = proposer.word](RunOptions* o) { o->propose.proposers = WithoutProposer(o->propose, word); }};
+  for (const char* model : proposer.networks) {
+    const bool is_given = std::string_view(model) == "seva" && !options.weights.seva_weights.empty();
+    const bool is_here = is_given ? !FindWeights(model, options.weights.seva_weights).empty() : IsHere(model);
+    if (!is_here) network.models.emplace_back(model);
   }
-  const bool missing = !seva.models.empty();
-  AddIf(missing, std::move(seva), list);
+  const bool missing = !network.models.empty();
+  AddIf(missing, std::move(network), list);
 }
 
 void AddDepth(const RunOptions& options, std::vector<MissingNetwork>* list) {
@@ -108,7 +118,7 @@ std::vector<MissingNetwork> MissingNetworks(const RunOptions& options, bool has_
           &missing);
   }
   AddDepth(options, &missing);
-  AddSeva(options, &missing);
+  for (const KnownProposer& proposer : KnownProposers()) AddProposer(proposer, options, &missing);
   AddOracle(options, &missing);
   if (options.weights.lpips == LpipsUse::kRequired) {
     AddIf(FindLpips(options.weights).empty(),

@@ -37,15 +37,8 @@ void CheckRunOptions(const RunOptions& options) {
     throw UsageError("--set method={} needs depth, and --depth-prior none finds none; leave one of them out",
                      options.method.method);
   }
-  const ProposerChoice proposers = options.propose.Choice();
+  CheckProposers(options.propose);
   const std::string& generator = options.propose.generator;
-  if (proposers == ProposerChoice::kCommand && generator.empty()) {
-    throw UsageError(
-        "--proposers command needs --generator \"COMMAND\", which generates the views; see docs/generators.md");
-  }
-  if (proposers == ProposerChoice::kNone && !generator.empty()) {
-    throw UsageError("--generator is given, but --proposers none proposes nothing; say --proposers command");
-  }
   if (!IsUtf8(generator)) throw UsageError("--generator is not valid UTF-8: {}", EscapeBytes(generator));
 }
 

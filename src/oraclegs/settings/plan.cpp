@@ -25,7 +25,7 @@ void RequirePass(const ValidateOptions& options) {
 }  // namespace
 
 bool ProposesViews(const RunOptions& options) {
-  return options.propose.Choice() != ProposerChoice::kNone && options.trajectory.proposals != 0 &&
+  return !options.propose.Words().empty() && options.trajectory.proposals != 0 &&
          options.train.schedule != ScheduleKind::kNone;
 }
 
@@ -86,11 +86,13 @@ Plan MakePlan(const RunOptions& options, bool has_poses) {
     plan.poses = RequireVggtWeights(options.weights.vggt_weights, "--poses vggt");
     RequireNetworksLibrary("--poses vggt");
   }
-  if (options.propose.proposal_size == ProposalSize::kOwn && !plan.Uses(options, ProposerChoice::kSeva)) {
+  if (options.propose.proposal_size == ProposalSize::kOwn && !plan.Uses(options, "seva")) {
     throw UsageError("--set proposal-size=own: only --proposers seva has a size of its own");
   }
-  if (plan.Uses(options, ProposerChoice::kSeva)) {
-    RequireNetworksLibrary("--proposers " + Word(options.propose.Choice()));
+  for (const KnownProposer& known : KnownProposers()) {
+    if (!known.networks.empty() && plan.Uses(options, known.word)) {
+      RequireNetworksLibrary(fmt::format("--proposers {}", known.word));
+    }
   }
   return plan;
 }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "oraclegs/core/buffer.h"
@@ -54,7 +55,8 @@ struct Plan {
   std::optional<VggtWeights> poses = {};     ///< set for --poses vggt when poses are to be found; unset = colmap
   std::vector<std::filesystem::path> lpips;  ///< weight files; empty = no LPIPS
 
-  bool Uses(const RunOptions& options, ProposerChoice proposer) const {
+  /// True when the run makes proposals itself, and asks the proposer of this word.
+  bool Uses(const RunOptions& options, std::string_view proposer) const {
     return proposes && options.propose.Uses(proposer);
   }
 };

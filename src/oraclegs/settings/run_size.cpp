@@ -74,8 +74,7 @@ RunOptions WithSize(RunOptions options, const SceneSize& scene, bool on_gpu) {
         GaussiansFor(scene.views * PixelsOfView(scene, options.image.Settled()), level.max_gaussians);
   }
   if (options.propose.proposers.is_auto()) {
-    options.propose.proposers =
-        options.quality.quality == Quality::kDraft ? ProposerChoice::kWarp : ProposerChoice::kSplat;
+    options.propose.proposers = std::string(options.quality.quality == Quality::kDraft ? kWarpWord : kProxiesWord);
   }
   return options;
 }
@@ -84,7 +83,7 @@ RunOptions WithUsualSizes(RunOptions options) {
   options.train.iterations = options.train.iterations.ValueOr(kUsualIterations);
   options.train.max_gaussians = options.train.max_gaussians.ValueOr(kUsualMaxGaussians);
   if (options.image.max_size.is_auto()) options.image.max_size = 0;
-  options.propose.proposers = options.propose.Choice();
+  options.propose.proposers = options.propose.proposers.ValueOr(kProxiesWord);
   if (options.split.test_every.is_auto() && options.split.test_views.empty()) options.split.eval = true;
   return options;
 }
@@ -93,7 +92,7 @@ nlohmann::json SizeToJson(const RunOptions& settled) {
   return {{"max-size", settled.image.max_size.ValueOr(0)},
           {"iterations", settled.train.iterations.ValueOr(kUsualIterations)},
           {"max-gaussians", settled.train.max_gaussians.ValueOr(kUsualMaxGaussians)},
-          {"proposers", Word(settled.propose.Choice())},
+          {"proposers", settled.propose.proposers.ValueOr(kProxiesWord)},
           {"frames", settled.capture.frames.ValueOr(kUsualFrames)}};
 }
 
@@ -109,7 +108,9 @@ RunOptions WithSavedSize(RunOptions options, const nlohmann::json& size) {
   take("frames", &options.capture.frames);
   const nlohmann::json proposers = size.value("proposers", nlohmann::json());
   if (options.propose.proposers.is_auto() && proposers.is_string()) {
-    if (const auto word = FromWord<ProposerChoice>(proposers.get<std::string>())) options.propose.proposers = *word;
+    const std::vector<std::string> known = ProposerWords();
+    const auto word = std::find(known.begin(), known.end(), proposers.get<std::string>());
+    if (word != known.end()) options.propose.proposers = *word;
   }
   return options;
 }

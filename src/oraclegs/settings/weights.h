@@ -1,7 +1,6 @@
 #pragma once
 // Files of the networks' weights.
 
-#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -13,8 +12,6 @@ namespace oraclegs {
 /// Names of networks in `oraclegs models`.
 inline constexpr const char* kDepthModel = "depth-anything-v2-small";
 inline constexpr const char* kLpipsModel = "lpips-vgg";
-/// Names of Stable Virtual Camera's networks: UNet, autoencoder, image encoder.
-inline constexpr std::array kSevaModels = {"seva", "sd21-vae", "openclip-vith14"};
 
 /// The .safetensors files of a network, sorted: `given`, or those in it when it is a folder. Without `given`:
 /// NAME.safetensors or the files of the network's folder, in $ORACLEGS_MODELS or ~/.cache/oraclegs; empty when there

@@ -22,8 +22,8 @@ struct AttemptRecord {
 struct AttemptJournal {
   std::set<std::string> steps;  ///< that are finished, by names of the caller's
   std::vector<AttemptRecord> records;
-  std::string model, database, features;  ///< of the best model: folder, file and set of features; empty without one
-  int folders = 0;                        ///< of models, that were made
+  std::string model, database, features;  ///< folder, file and set of features of the best model; empty without one
+  int folders = 0;                        ///< folders of models that were made
 };
 
 nlohmann::json RecordToJson(const AttemptRecord& record);

@@ -42,7 +42,7 @@ enum class TwoViewConfig {
 struct MatchedPair {
   uint32_t first = 0, second = 0;  ///< image ids, first < second
   int matches = 0;                 ///< features that look alike
-  int inliers = 0;                 ///< of these, what one motion of the camera explains; 0 = not verified
+  int inliers = 0;                 ///< matches that one motion of the camera explains; 0 = not verified
   TwoViewConfig config = TwoViewConfig::kUndefined;
   /// Pixel of `second` from pixel of `first`, where such a map explains the inliers: the images show one plane, or
   /// were taken from one point. As RANSAC left it: RefitHomography makes it exact.

@@ -31,7 +31,7 @@ struct ModelQuality {
 /// Focal lengths of common cameras, in longer sides of the image (13 mm to 150 mm on 36 mm); outside it
 /// colmap has explained wrong matches by a focal length.
 inline constexpr double kFocalRange[] = {.35, 4.2};
-inline constexpr double kMaxDistortion = .6;  ///< of the first radial coefficient, for the same reason
+inline constexpr double kMaxDistortion = .6;  ///< bound of the first radial coefficient, for the same reason
 
 ModelQuality MeasureModel(const ColmapCameras& cameras, const std::vector<ColmapImage>& images,
                           const std::vector<ColmapPoint>& points);

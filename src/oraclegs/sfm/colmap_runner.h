@@ -19,7 +19,7 @@ bool ColmapAvailable();
 struct ColmapFailure {
   std::string command;
   int exit_code = 0;
-  std::string last_line;  ///< of its output
+  std::string last_line;  ///< last line of its output
 
   /// True when a signal ended the command.
   bool IsCrash() const { return exit_code > 128; }
@@ -84,7 +84,7 @@ class ColmapRunner {
   struct Task {
     std::string what;
     MatchingBlocks blocks;
-    int64_t pairs = 0;  ///< of a list, that it matches
+    int64_t pairs = 0;  ///< pairs of a list that it matches
   };
   void Execute(std::vector<std::string> argv, const ColmapOptions& options, const Task& task) const;
   [[noreturn]] void Stop(const std::string& command, const std::string& why, const std::string& last_line) const;

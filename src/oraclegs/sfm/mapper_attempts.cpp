@@ -335,7 +335,7 @@ class AttemptRunner {
   int crashes_ = 0;
   std::string crash_;  ///< the last one
   AttemptJournal journal_;
-  ImageLinks links_;                            ///< of any set
+  ImageLinks links_;                            ///< links found by any set of features
   bool has_pairs_ = false, one_place_ = false;  ///< by the set that was tried last
 };
 

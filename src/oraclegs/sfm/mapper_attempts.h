@@ -13,14 +13,14 @@
 namespace oraclegs {
 
 struct AttemptRequest {
-  std::vector<std::string> names;  ///< of the images, below work_dir/images
+  std::vector<std::string> names;  ///< names of the images below work_dir/images
   bool has_masks = false;
   std::filesystem::path work_dir;
   std::map<std::string, double> focal_priors = {};  ///< pixels, by name of the image, where EXIF says it
 };
 
 struct AttemptResult {
-  ModelQuality best;  ///< of the model in work_dir/sparse/0; unsound when there is none
+  ModelQuality best;  ///< quality of the model in work_dir/sparse/0; unsound when there is none
   std::vector<AttemptRecord> attempts;
 };
 

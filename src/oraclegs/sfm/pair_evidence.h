@@ -10,7 +10,7 @@ namespace oraclegs {
 struct PairEvidence {
   std::string first, second;   ///< names in the database
   int matches = 0;             ///< features that look alike
-  int inliers = 0;             ///< of these, what one motion of the camera explains
+  int inliers = 0;             ///< matches that one motion of the camera explains
   bool pure_rotation = false;  ///< that motion is a pure rotation
 
   /// True when chance does not explain that so many agree on one motion.

@@ -201,7 +201,7 @@ class Assignment {
 
   const OrderSearch& search_;
   int poses_;
-  std::vector<std::vector<double>> fits_;  ///< of each pair, by the poses of its two views
+  std::vector<std::vector<double>> fits_;  ///< fits of each pair, by the poses of its two views
 };
 
 }  // namespace

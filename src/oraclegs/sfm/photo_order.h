@@ -14,14 +14,14 @@ namespace oraclegs {
 struct PhotoOrder {
   std::vector<int> pose_of_view;  ///< for each checked view the index of its pose among `poses`
   std::string words;              ///< "reversed", "each pose stands 1 too late", ...; "" = in no such order
-  double share = 0;               ///< of the matches that fit within `limit` pixels
+  double share = 0;               ///< fraction of the matches that fit within `limit` pixels
 };
 
 struct OrderSearch {
   std::vector<RayPair> pairs;            ///< matches of the checked views
-  std::vector<int> views;                ///< of each checked view its index among `names` and `poses`
-  std::vector<std::string> names;        ///< of all photos of the scene, sorted as numbers are counted
-  std::vector<Eigen::Isometry3d> poses;  ///< of all photos, camera from world
+  std::vector<int> views;                ///< index of each checked view among `names` and `poses`
+  std::vector<std::string> names;        ///< names of all photos of the scene, sorted as numbers are counted
+  std::vector<Eigen::Isometry3d> poses;  ///< poses of all photos, camera from world
   double limit = 0;                      ///< pixels within which a match fits
 };
 

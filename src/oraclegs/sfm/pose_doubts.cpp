@@ -31,7 +31,7 @@ std::string FocalDoubt(const FocalLength& focal) {
 }
 
 /// How many pairs have it, and the one with most of it.
-struct Share {
+struct PairCount {
   int pairs = 0;
   const PairMotions* example = nullptr;
 
@@ -41,14 +41,15 @@ struct Share {
   }
 };
 
-Share ShareOf(const std::vector<PairMotions>& pairs, bool (MotionCounts::*has)() const, int MotionCounts::*amount) {
-  Share share;
+PairCount CountPairs(const std::vector<PairMotions>& pairs, bool (MotionCounts::*has)() const,
+                     int MotionCounts::*amount) {
+  PairCount count;
   for (const PairMotions& pair : pairs) {
     if (!(pair.counts.*has)()) continue;
-    ++share.pairs;
-    if (share.example == nullptr || pair.counts.*amount > share.example->counts.*amount) share.example = &pair;
+    ++count.pairs;
+    if (count.example == nullptr || pair.counts.*amount > count.example->counts.*amount) count.example = &pair;
   }
-  return share;
+  return count;
 }
 
 }  // namespace
@@ -58,7 +59,7 @@ std::vector<std::string> PoseDoubts(const std::vector<PairMotions>& pairs, const
   for (const FocalLength& focal : focals) {
     if (std::string doubt = FocalDoubt(focal); !doubt.empty()) doubts.push_back(std::move(doubt));
   }
-  const Share still = ShareOf(pairs, &MotionCounts::HasStillPart, &MotionCounts::still);
+  const PairCount still = CountPairs(pairs, &MotionCounts::HasStillPart, &MotionCounts::still);
   if (still.IsMuch(pairs.size())) {
     doubts.push_back(fmt::format(
         "{}something stands still in the photos while the rest moves (in {} of {}; {} points in "
@@ -67,7 +68,7 @@ std::vector<std::string> PoseDoubts(const std::vector<PairMotions>& pairs, const
         kPosesDoubtful, still.pairs, Counted(pairs.size(), "pair"), still.example->counts.still, still.example->first,
         still.example->second));
   }
-  const Share moved = ShareOf(pairs, &MotionCounts::HasMovedPart, &MotionCounts::apart);
+  const PairCount moved = CountPairs(pairs, &MotionCounts::HasMovedPart, &MotionCounts::apart);
   if (moved.IsMuch(pairs.size())) {
     doubts.push_back(
         fmt::format("{}something moved on its own between the photos (in {} of {}; {} points in {} and {}); "
@@ -77,7 +78,7 @@ std::vector<std::string> PoseDoubts(const std::vector<PairMotions>& pairs, const
   }
   std::vector<PairMotions> parallax = pairs;
   std::erase_if(parallax, [](const PairMotions& pair) { return pair.pure_rotation; });
-  const Share planar = ShareOf(parallax, &MotionCounts::IsPlanar, &MotionCounts::planar);
+  const PairCount planar = CountPairs(parallax, &MotionCounts::IsPlanar, &MotionCounts::planar);
   const bool focal_known =
       !focals.empty() && std::all_of(focals.begin(), focals.end(), [](const FocalLength& f) { return f.by_exif > 0; });
   if (!focal_known && planar.pairs > 0 && planar.pairs >= kMinPlanarPairs * static_cast<double>(parallax.size())) {

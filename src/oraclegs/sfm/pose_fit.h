@@ -22,7 +22,7 @@ struct FitOfView {
   int matches = 0;
   int pairs = 0;     ///< views that it was matched with
   double error = 0;  ///< median, pixels of kReferenceSide
-  double share = 0;  ///< of the matches that fit
+  double share = 0;  ///< fraction of the matches that fit
   double limit = 0;  ///< an error above it is one of the poses, not of the matches
   double side = 0;   ///< longer side of the photo, in pixels; of all: of the median photo
 
@@ -40,7 +40,7 @@ enum class PoseVerdict {
 
 struct PoseFit {
   FitOfView all;                 ///< without a name
-  std::vector<FitOfView> views;  ///< of the checked views
+  std::vector<FitOfView> views;  ///< fits of the checked views
   PoseVerdict verdict = PoseVerdict::kUnknown;
   /// The mistake with which far more matches fit, one of them at most.
   std::optional<ChangeFit> change;

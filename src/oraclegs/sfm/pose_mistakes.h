@@ -27,7 +27,7 @@ struct CameraChange {
 /// How well the matches fit after such a change.
 struct ChangeFit {
   CameraChange change;
-  double share = 0;  ///< of the matches that fit
+  double share = 0;  ///< fraction of the matches that fit
 };
 
 /// Cameras and the matches between their photos.
@@ -58,7 +58,7 @@ ChangeFit BestFocal(const GivenCameras& given);
 /// Views whose photos stand upside down, though the others do not.
 struct TurnedViews {
   std::vector<int> views;  ///< positions in `given`, ascending
-  double share = 0;        ///< of all matches that fit once these are turned
+  double share = 0;        ///< fraction of all matches that fit once these are turned
 };
 
 /// The views of which hardly a match fits, and most do once the photo is turned by 180 degrees.

@@ -11,11 +11,11 @@ namespace oraclegs {
 
 enum class ViewStatus {
   kRegistered,
-  kDuplicate,     ///< of another photo, which is used in its place
+  kDuplicate,     ///< shows what another photo shows, which is used in its place
   kFewFeatures,   ///< blurred, dark or without texture
   kNoMatches,     ///< with any other
   kFewMatches,    ///< too few with every other
-  kPureRotation,  ///< of the cameras of all that share something with it: no parallax
+  kPureRotation,  ///< all cameras that share something with it stand in one place: no parallax
   kElsewhere,     ///< shares things with photos that are not registered either, and with no other
   kDoesNotFit,    ///< enough matches, but no pose that agrees with the model
 };
@@ -33,7 +33,7 @@ struct ViewReport {
   std::string same_as;  ///< for kDuplicate
   int features = 0;
   std::vector<Neighbor> neighbors;  ///< at least one inlier, most first
-  int points = 0;                   ///< of the model that it sees
+  int points = 0;                   ///< points of the model that it sees
   double parallax_degrees = 0;      ///< median over them
   std::string advice;               ///< what to take instead, empty when nothing is wrong
 };

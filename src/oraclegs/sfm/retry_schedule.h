@@ -26,12 +26,12 @@ struct FeatureSet {
   ColmapOptions extraction, matching;
   std::vector<MapperAttempt> attempts;
   int max_images = 0;       ///< too slow for more images than this
-  bool needs_link = false;  ///< of no use where no links make a model (LinksMakeAModel)
+  bool needs_link = false;  ///< useless where no links make a model (LinksMakeAModel)
 };
 
 /// Signs in the matches so far that images which are not registered can be.
 struct MatchEvidence {
-  int links = 0;           ///< of such an image to another (pair_evidence.h)
+  int links = 0;           ///< links of such an image to another (pair_evidence.h)
   bool one_place = false;  ///< all links, of any images, are pure rotations of the camera
   int group = 0;           ///< images of the largest group with such an image, joined by links or by the best model
 };

@@ -54,7 +54,7 @@ void AddProposeKey(Run* run, Fingerprint* key) {
   key->Add(OptionsToJson(options.propose).dump()).Add(OptionsToJson(options.trajectory).dump());
   key->Add(static_cast<double>(options.start.seed));  // of the poses
   for (const ProposerRow& row : *run->proposer_rows) {
-    if (row.own != nullptr && row.wanted(*run)) row.own(*run, key);
+    if (row.own != nullptr && Asks(*run, row)) row.own(*run, key);
   }
   key->Add(OptionsToJson(options.image).dump());
   key->Add(ViewsFingerprint(run->scene, run->split.train, run->plan.image, &run->files));
@@ -85,7 +85,7 @@ FolderProposals ReadFolder(const Run& run, const LoadedView& view) {
 /// Gives the targets the size at which the run's generator works.
 void TakeOwnSize(const Run& run, std::vector<Target>* targets) {
   for (const ProposerRow& row : *run.proposer_rows) {
-    if (row.own_size == nullptr || !row.wanted(run)) continue;
+    if (row.own_size == nullptr || !run.plan.Uses(run.options, row.word)) continue;
     for (Target& target : *targets) {
       const PixelSize size = row.own_size(run, {target.camera.width, target.camera.height});
       target.camera = Resized(target.camera, size.width, size.height);
@@ -174,7 +174,7 @@ std::optional<nlohmann::json> MakePropose(Run* run, const std::string& key) {
   std::vector<std::string> files;
   if (!known.targets.empty()) {
     for (const ProposerRow& row : *run->proposer_rows) {
-      if (!row.wanted(*run)) continue;
+      if (!Asks(*run, row)) continue;
       if (row.prepare != nullptr) row.prepare(run, key);
       if (*row.non_commercial != '\0') NoteNonCommercial(row.non_commercial, &record);
     }

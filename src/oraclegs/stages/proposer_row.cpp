@@ -24,7 +24,7 @@ std::vector<AskedProposer> Members(Run* run, const Warper& warper) {
   std::vector<std::vector<AskedProposer>> made(rows.size());
   bool taught = false, missed = false;
   for (size_t r = 0; r < rows.size(); ++r) {
-    if (!rows[r].wanted(*run)) continue;
+    if (!Asks(*run, rows[r])) continue;
     made[r] = rows[r].make(*run, warper);
     for (AskedProposer& member : made[r]) member.paints = rows[r].sees_anything || has_depth;
     taught = taught || (rows[r].can_hold_out && !made[r].empty());
@@ -51,9 +51,11 @@ bool ProxiesAlonePropose(const Run& run) {
   return run.options.propose.ByProxiesAlone() && !run.workspace.Record("proxies").is_null();
 }
 
+bool Asks(const Run& run, const ProposerRow& row) { return run.plan.Uses(run.options, row.word); }
+
 bool AsksGenerator(const Run& run) {
   return std::any_of(run.proposer_rows->begin(), run.proposer_rows->end(),
-                     [&](const ProposerRow& row) { return row.sees_anything && row.wanted(run); });
+                     [&](const ProposerRow& row) { return row.sees_anything && Asks(run, row); });
 }
 
 const Proposers& ProposersOf(Run* run) {

@@ -11,12 +11,11 @@ namespace oraclegs {
 
 /// A proposer with everything that stages ask of it. Functions may be null where nothing is said.
 struct ProposerRow {
-  std::string word;            ///< word of --proposers; sources of its proposals, and their folders, begin with it
+  std::string word;            ///< that of KnownProposers (propose/options.h)
   bool can_hold_out = false;   ///< answers at a training view without that view, which teaches the oracle its errors
   bool sees_anything = false;  ///< paints places that the photos hardly show, and needs no depth
   bool stands_in = false;      ///< asked where no other one can hold a view out
   const char* non_commercial = "";  ///< network whose license forbids commercial use, also of what it makes
-  bool (*wanted)(const Run& run) = nullptr;
   /// Size at which it generates a view of the given size; null = of any size.
   PixelSize (*own_size)(const Run& run, PixelSize view) = nullptr;
   /// Adds what proposals depend on beside the options of proposers, poses and images.
@@ -41,6 +40,8 @@ bool CanPropose(const TrainingViews& training, const Geometry& geometry);
 /// for them, and views are warped instead.
 bool ProxiesAlonePropose(const Run& run);
 
+/// True when the run asks this proposer.
+bool Asks(const Run& run, const ProposerRow& row);
 /// True when one of the run's proposers sees_anything.
 bool AsksGenerator(const Run& run);
 

@@ -24,7 +24,7 @@ inline constexpr double kExposureEpsilon = 1e-8;
 inline constexpr double kMinExposureDeterminant = 1e-6;
 
 inline constexpr float kDeadOpacity = 0.005f;  ///< at or below: dead, to be relocated
-inline constexpr int kMaxShare = 51;           ///< n is clamped to this (docs/method.md#mcmc-relocation)
+inline constexpr int kMaxCopies = 51;          ///< n is clamped to this (docs/method.md#mcmc-relocation)
 inline constexpr double kMaxOpacity = 1 - 0x1p-23, kMinOpacity = 0.005;  ///< range of a relocated opacity
 
 inline constexpr double kNoiseRate = 5e5;

@@ -82,12 +82,12 @@ void ZeroMoments(Adam* adam, int64_t at) {
   });
 }
 
-/// Gives every drawn source its new opacity and scale and zero moments, then makes Gaussian targets[k] a copy of
+/// Gives every drawn source its new opacity and scale and zero moments, then makes Gaussian copies[k] a copy of
 /// sources[k].
 struct Sharing {
   const std::vector<double>& opacities;
   const std::vector<int64_t>& sources;
-  const std::vector<int64_t>& targets;
+  const std::vector<int64_t>& copies;
 };
 void Share(const Sharing& sharing, Gaussians* gaussians, Adam* adam) {
   std::vector<int> draws(sharing.opacities.size(), 0);
@@ -104,9 +104,9 @@ void Share(const Sharing& sharing, Gaussians* gaussians, Adam* adam) {
       ZeroMoments(adam, i);
     }
   });
-  // Targets are distinct and none is a source.
+  // Copies are distinct and none is a source.
   ParallelBlocks(static_cast<int64_t>(sharing.sources.size()), kMcmcGrain, [&](int64_t begin, int64_t end) {
-    for (int64_t k = begin; k < end; ++k) CopyRow(gaussians, sharing.sources[k], sharing.targets[k]);
+    for (int64_t k = begin; k < end; ++k) CopyRow(gaussians, sharing.sources[k], sharing.copies[k]);
   });
 }
 
@@ -139,7 +139,7 @@ class McmcDensifier final : public Densifier {
 const BinomialTable& Binomials() {
   static const BinomialTable table = [] {
     BinomialTable t{};
-    for (int n = 0; n <= kMaxShare; ++n) {
+    for (int n = 0; n <= kMaxCopies; ++n) {
       t[n][0] = 1;
       for (int k = 1; k <= n; ++k) t[n][k] = t[n - 1][k - 1] + t[n - 1][k];
     }
@@ -149,7 +149,7 @@ const BinomialTable& Binomials() {
 }
 
 Relocated Relocate(double opacity, int n) {
-  n = std::clamp(n, 1, kMaxShare);
+  n = std::clamp(n, 1, kMaxCopies);
   return RelocateBy(opacity, n, Binomials()[n].data());
 }
 
@@ -179,11 +179,11 @@ int64_t AddGaussians(uint64_t seed, int64_t iteration, int64_t max_gaussians, Ga
   const WeightedDraw draw(opacities, seed, RandomStream::kAdd, iteration);
   if (draw.empty()) return 0;
   const std::vector<int64_t> sources = DrawSources(draw, added);
-  std::vector<int64_t> targets(added);
-  for (int64_t k = 0; k < added; ++k) targets[k] = n + k;
+  std::vector<int64_t> copies(added);
+  for (int64_t k = 0; k < added; ++k) copies[k] = n + k;
   gaussians->ForEach([&](const char*, Buffer<float>& t) { t = t.GrownTo(n + added); });
   adam->GrowTo(n + added);
-  Share({opacities, sources, targets}, gaussians, adam);
+  Share({opacities, sources, copies}, gaussians, adam);
   return added;
 }
 

@@ -14,8 +14,8 @@ namespace oraclegs {
 /// Gaussians (docs/method.md#mcmc-relocation), in double.
 Relocated Relocate(double opacity, int n);
 
-/// C(n, k) for n, k <= kMaxShare; exact in double.
-using BinomialTable = std::array<std::array<double, kMaxShare + 1>, kMaxShare + 1>;
+/// C(n, k) for n, k <= kMaxCopies; exact in double.
+using BinomialTable = std::array<std::array<double, kMaxCopies + 1>, kMaxCopies + 1>;
 const BinomialTable& Binomials();
 
 /// Moves dead Gaussians onto living ones drawn by opacity (docs/method.md#mcmc-relocation). Returns how many moved.

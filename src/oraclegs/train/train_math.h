@@ -23,7 +23,7 @@ struct Relocated {
 };
 
 /// Solves for the opacity and scale of n copies in double: the sum alternates, and for o -> 1 and large n float32 would
-/// lose several digits. n is in 1 .. kMaxShare; choose[k] is C(n, k).
+/// lose several digits. n is in 1 .. kMaxCopies; choose[k] is C(n, k).
 ORACLEGS_HD inline Relocated RelocateBy(double opacity, int n, const double* choose) {
   Relocated r;
   r.opacity_unclamped = -std::expm1(std::log1p(-opacity) / n);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/propose/options.h"
 #include "oraclegs/validate/tamper.h"
 
 namespace oraclegs {
@@ -108,7 +109,7 @@ void TamperTrainedOracle::Learn(const HeldOutCandidates& held_out, uint64_t seed
       const size_t v = picked[begin + static_cast<size_t>(i)];
       const size_t w = (v + std::max<size_t>(1, held_out.views.size() / 2)) % held_out.views.size();
       const std::vector<Proposal>& candidates = held_out.candidates[v];
-      const Proposal* proxy_render = OfSource(candidates, "splat");
+      const Proposal* proxy_render = OfSource(candidates, kProxiesWord);
       if (candidates.empty() || (proposers_.has_proxy_models() && !proxy_render)) return;
       const LoadedView& view = held_out.views[v];
       const HeldOutView known{view,

@@ -195,7 +195,7 @@ class Transfer {
   PartFile part_;
   std::string shown_, sha256_;
   uint64_t total_ = 0;                ///< 0 = not known
-  uint64_t reported_ = ~uint64_t{0};  ///< of the last progress event
+  uint64_t reported_ = ~uint64_t{0};  ///< bytes at the last progress event
   bool restarted_ = false;
 };
 

@@ -15,7 +15,7 @@ struct DownloadRequest {
   std::string bearer = {};   ///< for the server of `url` alone
   std::string sha256 = {};   ///< empty = the one that the server sends (x-linked-etag, as Hugging Face does)
   uint64_t bytes = 0;        ///< 0 = likewise
-  std::string stage = {};    ///< of the progress events
+  std::string stage = {};    ///< name that progress events carry
 };
 
 /// Continues from TO.part where the server can, else begins anew; goes on by itself after a lost connection as long as

@@ -27,7 +27,7 @@ struct HttpReply {
 
 struct HttpHandlers {
   std::function<void(const HttpReply&)> begin;  ///< once, before the first byte of a 200 or 206
-  std::function<void(std::string_view)> body;   ///< of a 200 or 206
+  std::function<void(std::string_view)> body;   ///< each piece of the body of a 200 or 206
 };
 
 struct HttpEnd {

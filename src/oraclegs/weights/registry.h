@@ -28,7 +28,7 @@ struct WeightsInfo {
   bool gated = false;            ///< the host wants an account that has agreed to the license
   std::vector<PublishedFile> files;
   bool convert = true;          ///< the files have to go through ConvertWeights (convert.h)
-  uint64_t download_bytes = 0;  ///< of all files, about
+  uint64_t download_bytes = 0;  ///< about the size of all files
   std::string parameters = {};  ///< name of the list of its tensors (parameter_list.h)
 };
 

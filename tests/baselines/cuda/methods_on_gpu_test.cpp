@@ -75,9 +75,9 @@ TEST_F(MethodsOnGpuTest, AdaptiveDensity) {
   ExpectBothTrain([](BaselineSettings*) {});
 }
 
-TEST_F(MethodsOnGpuTest, UnpoolingAndSplitsOfTheLonely) {
+TEST_F(MethodsOnGpuTest, UnpoolingAndSplitsOfTheIsolated) {
   ExpectBothTrain([](BaselineSettings* settings) {
-    settings->split_lonely = true;
+    settings->proximity_split = true;
     settings->unpool_until = 2000;
   });
 }

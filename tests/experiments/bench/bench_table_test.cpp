@@ -11,7 +11,7 @@ namespace {
 
 using testing::ElementsAre;
 
-const Spread& Psnr(const BenchRow& row) { return *row.value[0]; }
+const Statistic& Psnr(const BenchRow& row) { return *row.value[0]; }
 
 TEST(BenchRows, AreScenesThenMeansThenWhatIsQuoted) {
   const auto rows = BenchRows(ExampleBench());
@@ -77,8 +77,8 @@ TEST(CountWins, CountsScenesInWhichTwoCompare) {
 }
 
 TEST(ScoreCell, HasTheDecimalsOfItsScore) {
-  EXPECT_EQ(ScoreCell(Spread{2, 27.006, 0.1234}, BenchValue::kPsnr), "27.01 ± 0.12");
-  EXPECT_EQ(ScoreCell(Spread{1, 0.5, std::nullopt}, BenchValue::kSsim), "0.5000");
+  EXPECT_EQ(ScoreCell(Statistic{2, 27.006, 0.1234}, BenchValue::kPsnr), "27.01 ± 0.12");
+  EXPECT_EQ(ScoreCell(Statistic{1, 0.5, std::nullopt}, BenchValue::kSsim), "0.5000");
   EXPECT_EQ(ScoreCell(std::nullopt, BenchValue::kLpips), "-");
 }
 

@@ -134,12 +134,12 @@ TEST(SevaGenerator, GoesOnBehindTheLastFinishedChunk) {
 TEST(SevaGenerator, PlacesTheNetworksInTurn) {
   TinyScene scene;
   scene.options.frames = 8;
-  std::vector<Part> parts;
+  std::vector<Component> components;
   NetworkSet networks = TinyNetworkSet(scene.unet);
-  networks.place = [&](Part part) { parts.push_back(part); };
+  networks.place = [&](Component component) { components.push_back(component); };
   Generator(networks, scene.options, Silent()).Generate(scene.request);
-  EXPECT_EQ(parts, (std::vector<Part>{Part::kEncoder, Part::kUnet, Part::kDecoder, Part::kEncoder, Part::kUnet,
-                                      Part::kDecoder}));
+  EXPECT_EQ(components, (std::vector<Component>{Component::kEncoder, Component::kUnet, Component::kDecoder,
+                                                Component::kEncoder, Component::kUnet, Component::kDecoder}));
 }
 
 TEST(SevaGenerator, EncodesEveryImageOnce) {

@@ -19,7 +19,7 @@ class FigureTest : public ProposingTest {
  protected:
   oraclegs::Run Made(const std::string& out) {
     RunRequest request = Request(out);
-    request.options.propose.proposers = ProposerChoice::kWarp;
+    request.options.propose.proposers = std::string("warp");
     request.options.split.views = 10;
     request.options.train.iterations = 5;
     oraclegs::Run run = StartRun(request, Silent());
@@ -87,7 +87,7 @@ TEST_F(FigureTest, ComparesRunsOnTheirTestViews) {
 
 TEST_F(FigureTest, NeedsScoresAndProposals) {
   RunRequest request = Request("empty");
-  request.options.propose.proposers = ProposerChoice::kNone;
+  request.options.propose.proposers = std::string("none");
   oraclegs::Run run = StartRun(request, Silent());
   Reconstruct(&run);
   EXPECT_THAT(MessageOf<InputError>([&] { ConfidenceSheet(run, {}); }), HasSubstr("oraclegs validate"));

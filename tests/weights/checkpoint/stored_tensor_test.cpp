@@ -20,8 +20,8 @@ struct Twelve {
     for (char c = 0; c < 12; ++c) bytes.push_back(c);
     heap.file = "f.pt";
     heap.storages.push_back({"0", {"U8", 1}, 12, bytes});
-    heap.parts.push_back({0, 0, 12});
-    heap.parts.push_back({0, 8, 4});
+    heap.slices.push_back({0, 0, 12});
+    heap.slices.push_back({0, 8, 4});
   }
   StoredTensor Of(PickleTensor tensor) const {
     if (!*tensor.element.name) tensor.element = {"U8", 1};
@@ -52,7 +52,7 @@ TEST(StoredTensorOf, TakesTheBytesOfATensor) {
 TEST(StoredTensorOf, AcceptsEmptyTensors) {
   const Twelve twelve;
   EXPECT_TRUE(twelve.Of({0, {}, 500, {0, 3}, {3, 1}}).bytes.empty());
-  EXPECT_TRUE(twelve.Of({PickleTensor::kNoPart, {}, 0, {0}, {1}}).bytes.empty());
+  EXPECT_TRUE(twelve.Of({PickleTensor::kNoSlice, {}, 0, {0}, {1}}).bytes.empty());
 }
 
 TEST(StoredTensorOf, RefusesWhatLiesOutside) {
@@ -70,7 +70,7 @@ TEST(StoredTensorOf, RefusesWhatLiesOutside) {
                                                               {1, {}, 0, {5}, {1}},
                                                               {0, {"F32", 4}, 1, {3}, {1}},
                                                               {0, {"F64", 8}, 0, {2}, {1}},
-                                                              {PickleTensor::kNoPart, {}, 0, {1}, {1}}}) {
+                                                              {PickleTensor::kNoSlice, {}, 0, {1}, {1}}}) {
     EXPECT_EQ(twelve.ErrorOf(tensor), "f.pt: tensor 't' reaches beyond its numbers; get the file again");
   }
 }

@@ -123,7 +123,7 @@ TEST(StorageInCheckpoint, MayNameAPart) {
            'Q';
   };
   const Made made(Tensor(part(4, 6), {{6}, {1}}));
-  EXPECT_EQ(made.heap.parts.at(made.tensor().part).offset, 4);
+  EXPECT_EQ(made.heap.slices.at(made.tensor().slice).offset, 4);
   for (const auto& [offset, numel] : std::map<int64_t, int64_t>{{5, 6}, {11, 0}, {-1, 2}}) {
     EXPECT_EQ(ErrorOfMaking(part(offset, numel)), "f.pt: a part of storage '0' lies outside it; get the file again");
   }

@@ -39,9 +39,9 @@ std::vector<std::string> CostCells(const BenchRow& row) {
 
 /// Cell of a score. A quoted score keeps the digits that its source prints.
 std::string CellOf(const BenchRow& row, BenchValue value) {
-  const auto& spread = row.value[IndexOf(value)];
-  if (row.source.empty() || !spread || value == BenchValue::kPsnr) return ScoreCell(spread, value);
-  return fmt::format("{:.3f}", spread->mean);
+  const auto& statistic = row.value[IndexOf(value)];
+  if (row.source.empty() || !statistic || value == BenchValue::kPsnr) return ScoreCell(statistic, value);
+  return fmt::format("{:.3f}", statistic->mean);
 }
 
 /// "20.32 / 0.596 / 0.350"
@@ -191,9 +191,9 @@ std::vector<std::string> SourceLines(const std::vector<BenchRow>& rows) {
 
 json NumberOrNull(const std::optional<double>& value) { return value ? json(*value) : json(); }
 
-json SpreadOrNull(const std::optional<Spread>& spread) {
-  if (!spread) return nullptr;
-  return {{"mean", spread->mean}, {"deviation", NumberOrNull(spread->deviation)}, {"count", spread->count}};
+json StatisticOrNull(const std::optional<Statistic>& statistic) {
+  if (!statistic) return nullptr;
+  return {{"mean", statistic->mean}, {"deviation", NumberOrNull(statistic->deviation)}, {"count", statistic->count}};
 }
 
 json RunToJson(const BenchScore& run) {
@@ -213,7 +213,7 @@ json RowToJson(const BenchRow& row) {
               {"scored", row.scored}, {"of", row.of}};
   out["source"] = row.source.empty() ? json() : json(row.source);
   if (!row.failure.empty()) out["failure"] = row.failure;
-  for (size_t v = 0; v < kBenchValues; ++v) out[kBenchValueKeys[v]] = SpreadOrNull(row.value[v]);
+  for (size_t v = 0; v < kBenchValues; ++v) out[kBenchValueKeys[v]] = StatisticOrNull(row.value[v]);
   if (!row.published) return out;
   out["published"] = {{"source", row.published->source}};
   for (const BenchValue value : kScoreValues) {
@@ -346,8 +346,9 @@ std::string BenchCsv(const BenchReport& report) {
   for (const BenchRow& row : BenchRows(report)) {
     text += fmt::format("{},{},{},{},{},{}", InCsv(report.suite), row.views, InCsv(row.is_mean() ? "mean" : row.scene),
                         row.method, row.scored, row.of);
-    for (const auto& spread : row.value) {
-      text += fmt::format(",{},{}", spread ? number(spread->mean) : "", spread ? number(spread->deviation) : "");
+    for (const auto& statistic : row.value) {
+      text += fmt::format(",{},{}", statistic ? number(statistic->mean) : "",
+                          statistic ? number(statistic->deviation) : "");
     }
     for (const BenchValue value : kScoreValues) {
       text += fmt::format(",{}", number(row.published ? PublishedValue(*row.published, value) : std::nullopt));

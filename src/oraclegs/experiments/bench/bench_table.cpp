@@ -7,7 +7,7 @@
 namespace oraclegs {
 namespace {
 
-using Values = std::array<std::optional<Spread>, kBenchValues>;
+using Values = std::array<std::optional<Statistic>, kBenchValues>;
 
 /// Scored runs of a method in one scene.
 std::vector<const BenchScore*> ScoredRuns(const BenchReport& report, const BenchRow& row) {
@@ -51,7 +51,7 @@ BenchRow SceneRow(const BenchReport& report, int views, const std::string& scene
     for (const BenchScore* run : runs) {
       if (run->value[v]) values.push_back(*run->value[v]);
     }
-    row.value[v] = SpreadOf(values);
+    row.value[v] = StatisticOf(values);
   }
   if (!runs.empty()) return row;
   row.failure = "not run yet";
@@ -97,7 +97,7 @@ BenchRow MeanRow(const BenchReport& report, int views, const BenchMethod& method
     for (const auto& runs : by_seed.empty() ? by_scene : by_seed) {
       if (const auto mean = MeanValue(runs, v)) values.push_back(*mean);
     }
-    row.value[v] = SpreadOf(values);
+    row.value[v] = StatisticOf(values);
     if (!by_seed.empty() || !row.value[v]) continue;
     row.value[v]->deviation.reset();  // it would be the deviation between scenes
   }
@@ -121,7 +121,7 @@ void MarkBest(std::vector<BenchRow>::iterator begin, std::vector<BenchRow>::iter
     }
     if (count < 2) continue;
     const auto printed = [&](const BenchRow& row) {
-      return ScoreCell(Spread{1, row.value[v]->mean, std::nullopt}, value);
+      return ScoreCell(Statistic{1, row.value[v]->mean, std::nullopt}, value);
     };
     for (auto row = begin; row != end; ++row) {
       if (!row->value[v] || (row->is_mean() && row->scored < row->of)) continue;
@@ -142,7 +142,7 @@ void AddPublished(const BenchReport& report, int views, size_t first_mean, std::
     BenchRow row{.views = views, .method = score.method, .label = score.label, .source = score.source};
     for (size_t v = 0; v < kBenchScores; ++v) {
       if (const auto value = PublishedValue(score, static_cast<BenchValue>(v))) {
-        row.value[v] = Spread{1, *value, std::nullopt};
+        row.value[v] = Statistic{1, *value, std::nullopt};
       }
     }
     rows->push_back(std::move(row));
@@ -185,11 +185,11 @@ BenchWins CountWins(const BenchReport& report, int views) {
   return count;
 }
 
-std::string ScoreCell(const std::optional<Spread>& spread, BenchValue value) {
-  if (!spread) return "-";
+std::string ScoreCell(const std::optional<Statistic>& statistic, BenchValue value) {
+  if (!statistic) return "-";
   const int decimals = value == BenchValue::kPsnr ? 2 : 4;
-  std::string text = fmt::format("{:.{}f}", spread->mean, decimals);
-  if (spread->deviation) text += fmt::format(" ± {:.{}f}", *spread->deviation, decimals);
+  std::string text = fmt::format("{:.{}f}", statistic->mean, decimals);
+  if (statistic->deviation) text += fmt::format(" ± {:.{}f}", *statistic->deviation, decimals);
   return text;
 }
 

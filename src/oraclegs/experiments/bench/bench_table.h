@@ -62,7 +62,7 @@ struct BenchRow {
   std::string version = {};             ///< versions of the program that made the runs, joined by "; "
   std::string failure = {};             ///< replaces the numbers of a row without scores
   size_t scored = 0, of = 0;            ///< runs of a scene; scenes of a mean
-  std::array<std::optional<Spread>, kBenchValues> value{};
+  std::array<std::optional<Statistic>, kBenchValues> value{};
   std::array<bool, kBenchScores> best{};         ///< best among the methods of this scene or mean, as printed
   std::optional<PublishedScore> published = {};  ///< set for means over all scenes
 
@@ -82,7 +82,7 @@ struct BenchWins {
 BenchWins CountWins(const BenchReport& report, int views);
 
 /// "27.01 ± 0.12", 2 decimals for PSNR, 4 for the others; "-" for nullopt.
-std::string ScoreCell(const std::optional<Spread>& spread, BenchValue value);
+std::string ScoreCell(const std::optional<Statistic>& statistic, BenchValue value);
 
 /// Our score minus the published one; nullopt where one is missing.
 std::optional<double> DifferenceToPublished(const BenchRow& row, BenchValue value);

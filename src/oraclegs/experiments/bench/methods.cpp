@@ -13,7 +13,7 @@ RunOptions Ours(const Method&, const std::string&) { return {}; }
 
 RunOptions OursWithoutProposals(const Method&, const std::string&) {
   RunOptions run;
-  run.propose.proposers = ProposerChoice::kNone;
+  run.propose.proposers = std::string(kNoneWord);
   return run;
 }
 

@@ -153,8 +153,8 @@ class Generation {
     }
   }
 
-  void Place(Part part) const {
-    if (networks_.place) networks_.place(part);
+  void Place(Component component) const {
+    if (networks_.place) networks_.place(component);
   }
 
   void RunJob(int candidate, size_t index) {
@@ -172,7 +172,7 @@ class Generation {
   }
 
   NetworkInputs InputsOf(const Job& job, const std::vector<View>& views) {
-    Place(Part::kEncoder);
+    Place(Component::kEncoder);
     Frames frames{views, {}, {}, {}, working_.height / kLatentStride, working_.width / kLatentStride};
     for (const Frame& frame : job.frames) {
       frames.given.push_back(frame.given);
@@ -199,7 +199,7 @@ class Generation {
     }
     views = NormalizedViews(views, all_views_);
     const NetworkInputs inputs = InputsOf(job, views);
-    Place(Part::kUnet);
+    Place(Component::kUnet);
     Denoiser denoiser;
     denoiser.schedule = &schedule_;
     denoiser.given = inputs.given;
@@ -224,7 +224,7 @@ class Generation {
 
   /// Generated frames as [M, 3, H, W] uint8, as they are stored and condition later chunks.
   Tensor Decode(const Job& job, const Tensor& latents) const {
-    Place(Part::kDecoder);
+    Place(Component::kDecoder);
     std::vector<Tensor> images;
     for (size_t t = 0; t < job.frames.size(); ++t) {
       if (job.frames[t].given || job.frames[t].copy) continue;

@@ -14,7 +14,7 @@
 
 namespace oraclegs::seva {
 
-enum class Part { kEncoder, kUnet, kDecoder };
+enum class Component { kEncoder, kUnet, kDecoder };
 
 /// The four networks. Images are [1, 3, H, W] float32 RGB in [-1, 1] on the CPU.
 struct NetworkSet {
@@ -23,8 +23,8 @@ struct NetworkSet {
   /// Inverse of `encode`, in tiles of `side` latent pixels.
   std::function<Tensor(const Tensor& latent, int64_t side)> decode = {};
   std::function<Tensor(const Tensor& image)> embed = {};  ///< -> [1, context width] float32
-  /// Called with the part that runs next, so that the others may leave the device; may be empty.
-  std::function<void(Part)> place = {};
+  /// Called with the component that runs next, so that the others may leave the device; may be empty.
+  std::function<void(Component)> place = {};
   int64_t other_weights =
       0;  ///< bytes of encoder, decoder and image encoder that stay on the device while the UNet works
   AutoencoderMemory autoencoder = {};  ///< memory that encode and decode take

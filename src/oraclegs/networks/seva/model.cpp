@@ -114,12 +114,12 @@ struct Model::State {
   Autocast Products() const { return {placement.device, placement.products}; }
 
   /// Keeps on the device what works next. On the CPU everything stays: mapped files cost nothing.
-  void Place(Part part) {
+  void Place(Component component) {
     const bool stays = placement.device.is_cpu();
-    if (part == Part::kUnet && !stays) vae.reset();
-    if (part != Part::kEncoder && !stays) clip.reset();
-    if (part != Part::kUnet && !vae) vae = LoadVae(files.vae, vae_config, placement.device, placement.type);
-    if (part == Part::kEncoder && !clip) {
+    if (component == Component::kUnet && !stays) vae.reset();
+    if (component != Component::kEncoder && !stays) clip.reset();
+    if (component != Component::kUnet && !vae) vae = LoadVae(files.vae, vae_config, placement.device, placement.type);
+    if (component == Component::kEncoder && !clip) {
       clip = LoadOpenClip(files.clip, clip_config, placement.device, placement.type);
     }
   }
@@ -146,8 +146,8 @@ Model::Model(const SevaFiles& files, const Placement& placement) : state_(std::m
   state_->vae_config = VaeConfigOf(files.vae);
   state_->clip_config = ClipConfigOf(files.clip);
   state_->unet = LoadUnet(files.unet, UnetConfigOf(files.unet.front()), placement);
-  state_->Place(Part::kEncoder);  // so that faults of the files are reported now
-  state_->Place(Part::kUnet);
+  state_->Place(Component::kEncoder);  // so that faults of the files are reported now
+  state_->Place(Component::kUnet);
   const int64_t wanted = state_->unet.config.context_width, given = state_->clip_config.output;
   if (wanted != given) {
     throw InputError("{}: gives embeddings of {} numbers and {} takes {}; get the weights again", files.clip.string(),
@@ -161,7 +161,7 @@ NetworkSet Model::networks() const {
   State* state = state_.get();
   NetworkSet networks;
   networks.unet = &state->unet;
-  networks.place = [state](Part part) { state->Place(part); };
+  networks.place = [state](Component component) { state->Place(component); };
   networks.encode = [state](const Tensor& image) {
     const Autocast scope = state->Products();
     return EncodeImages(*state->vae, image).to(torch::kFloat);

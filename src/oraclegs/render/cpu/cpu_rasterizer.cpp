@@ -126,7 +126,7 @@ class CpuRasterizer final : public Rasterizer {
   }
 
   /// Sum of body(tile) over all tiles, run on all threads. Neighbors share cache lines of the image, so a task is a
-  /// run of them.
+  /// range of them.
   template <class Body>
   int64_t SumOverTiles(const Body& body) {
     const int64_t tiles = input_.camera.tiles();

@@ -193,7 +193,7 @@ struct HWY_ALIGN Segment {
 };
 
 /// Consecutive entries whose splats are needed after the current work. They are scattered in memory: prefetching all at
-/// once would stall, so each block of the current work prefetches its share.
+/// once would stall, so each block of the current work prefetches some of them.
 struct Upcoming {
   const cpu::LineSplat* splats;
   const cpu::TileEntry* first;

@@ -117,7 +117,7 @@ HWY_INLINE void SumMoments(const float (*HWY_RESTRICT h)[16], const BlockMiddle&
 }
 
 /// Fills vector x with each lane's pixel of its row in column x.
-HWY_INLINE void SpreadColumns(const float* HWY_RESTRICT pixels, int group, FloatVec* HWY_RESTRICT columns) {
+HWY_INLINE void BroadcastColumns(const float* HWY_RESTRICT pixels, int group, FloatVec* HWY_RESTRICT columns) {
   const FloatTag d;
 #if HWY_TARGET == HWY_SCALAR
   for (int x = 0; x < 4; ++x) columns[x] = hn::Load(d, pixels + 4 * group + x);
@@ -145,7 +145,7 @@ HWY_INLINE void SumProducts(const float (*HWY_RESTRICT w)[16], const float (*HWY
     for (FloatVec& sum : of_quads) sum = hn::Zero(FloatTag());
     for (int group = 0; group < kRowGroups; ++group) {
       FloatVec of_column[4];
-      SpreadColumns(g[c], group, of_column);
+      BroadcastColumns(g[c], group, of_column);
       for (int quad = 0; quad < kRowsAVector; ++quad) {
         const FloatVec* const v = columns[group][quad];
         for (int x = 3; x >= 0; --x) of_quads[quad] = hn::MulAdd(v[x], of_column[x], of_quads[quad]);

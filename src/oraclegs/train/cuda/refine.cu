@@ -99,9 +99,9 @@ __device__ void CopyRow(const GaussianRows& rows, int64_t from, int64_t to) {
 __global__ void ShareSources(RefineInput in) {
   const int64_t i = static_cast<int64_t>(blockIdx.x) * kScanBlock + threadIdx.x;
   if (i >= in.count || in.scratch.draws[i] == 0) return;
-  const int n = in.scratch.draws[i] < kMaxShare ? 1 + in.scratch.draws[i] : kMaxShare;
+  const int n = in.scratch.draws[i] < kMaxCopies ? 1 + in.scratch.draws[i] : kMaxCopies;
   const double opacity = OpacityOf(in.params.opacity_logits[i]);
-  const Relocated relocated = RelocateBy(opacity, n, in.scratch.choose + n * (kMaxShare + 1));
+  const Relocated relocated = RelocateBy(opacity, n, in.scratch.choose + n * (kMaxCopies + 1));
   in.params.opacity_logits[i] = static_cast<float>(LogitOf(relocated.opacity));
   const float shrink = static_cast<float>(std::log(relocated.scale_ratio));
   for (int axis = 0; axis < 3; ++axis) in.params.log_scales[3 * i + axis] += shrink;

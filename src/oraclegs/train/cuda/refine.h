@@ -19,7 +19,7 @@ struct RefineScratch {
   uint64_t* totals = nullptr;      ///< [RefineBlocks(n)]
   int* sources = nullptr;          ///< [n]
   int* draws = nullptr;            ///< [n]
-  const double* choose = nullptr;  ///< [kMaxShare + 1][kMaxShare + 1] C(n, k)
+  const double* choose = nullptr;  ///< [kMaxCopies + 1][kMaxCopies + 1] C(n, k)
 };
 
 inline int64_t RefineBlocks(int64_t n) { return (n + 255) / 256; }

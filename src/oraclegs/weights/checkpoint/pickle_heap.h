@@ -22,15 +22,15 @@ struct PickleStorage {
 };
 
 /// Storages are named as a whole or in part.
-struct PickleStoragePart {
+struct PickleStorageSlice {
   size_t storage = 0;
   int64_t offset = 0, numel = 0;  ///< elements
 };
 
 /// Sizes are not negative; whether it lies within its storage is not known yet.
 struct PickleTensor {
-  static constexpr size_t kNoPart = ~size_t{0};
-  size_t part = kNoPart;  ///< of a storage
+  static constexpr size_t kNoSlice = ~size_t{0};
+  size_t slice = kNoSlice;  ///< index of a PickleStorageSlice
   ElementType element;
   int64_t offset = 0;  ///< elements, as the strides
   std::vector<int64_t> shape, strides;
@@ -48,9 +48,9 @@ class PickleHeap {
   std::deque<PickleGlobal> globals;
   std::deque<PickleObject> objects;
   std::deque<PickleStorage> storages;
-  std::deque<PickleStoragePart> parts;
+  std::deque<PickleStorageSlice> slices;
   std::deque<PickleTensor> tensors;
-  std::map<std::string, size_t, std::less<>> global_of_name, storage_of_key, part_of_view;
+  std::map<std::string, size_t, std::less<>> global_of_name, storage_of_key, slice_of_view;
 
   /// Throws InputError when all of them together are more than any checkpoint has.
   PickleValue Add(PickleKind kind, std::vector<PickleValue> values);

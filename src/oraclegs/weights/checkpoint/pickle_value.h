@@ -18,7 +18,7 @@ enum class PickleKind : uint8_t {
   kList,     ///< also a set
   kDict,     ///< keys and values in turn
   kGlobal,   ///< a name of Python's, such as torch._utils _rebuild_tensor_v2
-  kObject,   ///< of a class that is no tensor: its state is kept, and nothing else known
+  kObject,   ///< instance of a class that is no tensor: its state is kept, nothing else known
   kStorage,  ///< a row of numbers in the file
   kTensor,
   kMark,  ///< on the stack alone
@@ -26,8 +26,8 @@ enum class PickleKind : uint8_t {
 
 struct PickleValue {
   PickleKind kind = PickleKind::kNone;
-  const char* begin = nullptr;  ///< of a text, in the pickle
-  int64_t number = 0;           ///< of an integer; length of a text; else an index into the heap
+  const char* begin = nullptr;  ///< start of a text in the pickle
+  int64_t number = 0;           ///< value of an integer; length of a text; else an index into the heap
 
   size_t index() const { return static_cast<size_t>(number); }
   std::string_view text() const { return {begin, static_cast<size_t>(number)}; }
@@ -39,9 +39,9 @@ enum class PickleRole : uint8_t {
   kStorageType,      ///< torch FloatStorage
   kElementType,      ///< torch float32
   kTensorType,       ///< torch FloatTensor, made and then given its state, as PyTorch 0.1 wrote it
-  kRebuildTensor,    ///< of storage, offset, shape, strides
-  kRebuildTyped,     ///< the same, the type of its elements comes seventh
-  kRebuildFromType,  ///< of a function, a class, the function's arguments
+  kRebuildTensor,    ///< makes a tensor of storage, offset, shape, strides
+  kRebuildTyped,     ///< likewise, the type of its elements comes seventh
+  kRebuildFromType,  ///< makes one of a function, a class, the function's arguments
   kFirstArgument,    ///< stands for its first argument: parameters, tagged values of TorchScript
   kDict,
   kTuple,
@@ -55,7 +55,7 @@ struct ElementType {
 struct PickleGlobal {
   std::string name;  ///< "torch FloatStorage"
   PickleRole role = PickleRole::kOther;
-  ElementType element;  ///< of kStorageType, kElementType, kTensorType
+  ElementType element;  ///< type of kStorageType, kElementType and kTensorType
 };
 
 }  // namespace oraclegs

@@ -13,7 +13,7 @@ namespace oraclegs {
 
 struct PublishedCheckpoint {
   StateDict tensors;                                ///< without the names that wrappers add
-  uint64_t bytes = 0;                               ///< of the file, or of its parts
+  uint64_t bytes = 0;                               ///< size of the file, or of its parts
   std::vector<std::shared_ptr<const void>> mapped;  ///< what the tensors lie in
 };
 

@@ -79,11 +79,12 @@ StoredTensor StoredTensorOf(const PickleTensor& tensor, const std::string& name,
   const auto span = SpanOf(tensor.shape, tensor.strides);
   if (span && span->numel == 0) return stored;
   std::string_view bytes;
-  if (tensor.part != PickleTensor::kNoPart) {
-    const PickleStoragePart& part = heap.parts[tensor.part];
-    const PickleStorage& storage = heap.storages[part.storage];
+  if (tensor.slice != PickleTensor::kNoSlice) {
+    const PickleStorageSlice& slice = heap.slices[tensor.slice];
+    const PickleStorage& storage = heap.storages[slice.storage];
     const auto width = static_cast<uint64_t>(storage.element.bytes);
-    bytes = storage.bytes.substr(static_cast<uint64_t>(part.offset) * width, static_cast<uint64_t>(part.numel) * width);
+    bytes =
+        storage.bytes.substr(static_cast<uint64_t>(slice.offset) * width, static_cast<uint64_t>(slice.numel) * width);
   }
   const auto held = static_cast<int64_t>(bytes.size()) / tensor.element.bytes;
   const bool fits = span && span->numel <= held && tensor.offset < held && span->last < held - tensor.offset;

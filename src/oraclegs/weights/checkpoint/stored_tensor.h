@@ -13,7 +13,7 @@ namespace oraclegs {
 
 struct StoredTensor {
   std::string dtype;          ///< as safetensors spells it; "C64" and the like, which it does not have, as well
-  int64_t element_bytes = 1;  ///< of one number
+  int64_t element_bytes = 1;  ///< bytes of one number
   std::vector<int64_t> shape, strides;  ///< strides in elements
   std::string_view bytes;               ///< from its first element to its last, in the file
 

@@ -43,8 +43,8 @@ PickleTensor TensorOf(const Values& parts, const PickleHeap& heap) {
   const auto shape = Counts(parts[2], heap), strides = Counts(parts[3], heap);
   if (!shape || !strides || shape->size() != strides->size()) throw malformed();
   PickleTensor tensor;
-  tensor.part = parts[0].index();
-  tensor.element = heap.storages[heap.parts[tensor.part].storage].element;
+  tensor.slice = parts[0].index();
+  tensor.element = heap.storages[heap.slices[tensor.slice].storage].element;
   tensor.offset = parts[1].number;
   tensor.shape = *shape;
   tensor.strides = *strides;
@@ -138,7 +138,7 @@ PickleValue ReduceInCheckpoint(const PickleValue& function, const PickleValue& a
 void BuildInCheckpoint(const PickleValue& value, const PickleValue& state, PickleHeap* heap) {
   if (value.kind == PickleKind::kObject) {
     heap->objects[value.index()].state = state;
-  } else if (value.kind == PickleKind::kTensor && heap->tensors[value.index()].part == PickleTensor::kNoPart &&
+  } else if (value.kind == PickleKind::kTensor && heap->tensors[value.index()].slice == PickleTensor::kNoSlice &&
              state.kind == PickleKind::kTuple) {
     heap->tensors[value.index()] = TensorOf(heap->ItemsOf(state), *heap);
   }
@@ -165,7 +165,7 @@ PickleValue StorageInCheckpoint(const PickleValue& id, PickleHeap* heap) {
     throw InputError("{}: storage '{}' is said to be two different things; get the file again", heap->file,
                      Printable(key, 40));
   }
-  PickleStoragePart part{it->second, 0, storage.numel};
+  PickleStorageSlice slice{it->second, 0, storage.numel};
   if (parts.size() == 6 && parts[5].kind != PickleKind::kNone) {
     const Values& view = parts[5].kind == PickleKind::kTuple ? heap->ItemsOf(parts[5]) : none;
     if (view.size() != 3 || !IsCount(view[1]) || !IsCount(view[2]) || view[1].number > storage.numel ||
@@ -173,11 +173,11 @@ PickleValue StorageInCheckpoint(const PickleValue& id, PickleHeap* heap) {
       throw InputError("{}: a part of storage '{}' lies outside it; get the file again", heap->file,
                        Printable(key, 40));
     }
-    part.offset = view[1].number;
-    part.numel = view[2].number;
+    slice.offset = view[1].number;
+    slice.numel = view[2].number;
   }
-  heap->parts.push_back(part);
-  return {PickleKind::kStorage, nullptr, static_cast<int64_t>(heap->parts.size() - 1)};
+  heap->slices.push_back(slice);
+  return {PickleKind::kStorage, nullptr, static_cast<int64_t>(heap->slices.size() - 1)};
 }
 
 }  // namespace oraclegs

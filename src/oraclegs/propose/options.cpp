@@ -1,0 +1,80 @@
+#include "oraclegs/propose/options.h"
+
+#include <algorithm>
+
+#include "oraclegs/core/text.h"
+
+namespace oraclegs {
+namespace {
+
+std::vector<std::string> Asked(const ProposeOptions& options) {
+  return SplitTrimmed(options.proposers.ValueOr(kProxiesWord), ',');
+}
+
+bool Has(const std::vector<std::string>& words, std::string_view word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+}  // namespace
+
+const std::vector<KnownProposer>& KnownProposers() {
+  static const std::vector<KnownProposer> known = {
+      {kProxiesWord, "an ensemble of proxy models, short trainings that each hold some photos out"},
+      {kWarpWord, "photos warped by their depth"},
+      {"seva",
+       "Stable Virtual Camera, a generative network that needs weights",
+       {"seva", "sd21-vae", "openclip-vith14"}},
+      {kCommandWord, "the program of --generator"},
+  };
+  return known;
+}
+
+std::vector<std::string> ProposerWords() {
+  std::vector<std::string> words;
+  for (const KnownProposer& one : KnownProposers()) words.emplace_back(one.word);
+  words.emplace_back(kNoneWord);
+  return words;
+}
+
+const char* ProposersHelp() {
+  static const std::string help = [] {
+    std::string text = "What proposes new views, words separated by commas: ";
+    for (const KnownProposer& one : KnownProposers()) text += fmt::format("{} = {}; ", one.word, one.what);
+    return text +
+           fmt::format("{} = nothing; auto = {}, or {} with --quality draft", kNoneWord, kProxiesWord, kWarpWord);
+  }();
+  return help.c_str();
+}
+
+std::vector<std::string> ProposeOptions::Words() const {
+  std::vector<std::string> words = Asked(*this);
+  if (Has(words, kNoneWord)) return {};
+  if (!generator.empty() && !Has(words, kCommandWord)) words.emplace_back(kCommandWord);
+  return words;
+}
+
+bool ProposeOptions::Uses(std::string_view word) const { return Has(Words(), word); }
+
+bool ProposeOptions::ByProxiesAlone() const {
+  return Words() == std::vector<std::string>{kProxiesWord} && proposal_folder.empty();
+}
+
+void CheckProposers(const ProposeOptions& options) {
+  const std::vector<std::string> asked = Asked(options), known = ProposerWords();
+  const auto unknown = std::find_if(asked.begin(), asked.end(), [&](const auto& word) { return !Has(known, word); });
+  const bool none = Has(asked, kNoneWord);
+  if (asked.empty() || unknown != asked.end() || (none && asked.size() > 1)) {
+    throw UsageError("--proposers is '{}', must be auto, none, or of the words: {}{}", options.proposers.ValueOr(""),
+                     fmt::join(known.begin(), known.end() - 1, ", "),
+                     unknown != asked.end() ? DidYouMean(*unknown, known) : "");
+  }
+  if (Has(asked, kCommandWord) && options.generator.empty()) {
+    throw UsageError(
+        "--proposers command needs --generator \"COMMAND\", which generates the views; see docs/generators.md");
+  }
+  if (none && !options.generator.empty()) {
+    throw UsageError("--generator is given, but --proposers none proposes nothing; say --proposers command");
+  }
+}
+
+}  // namespace oraclegs
