@@ -11,7 +11,7 @@ namespace {
 
 class CpuTrainDeviceTest : public testing::Test {
  protected:
-  TrainOptions options = Options().Settled();
+  TrainOptions options = Options();
   LossPlan plan{options, Photos(1)};
   std::unique_ptr<TrainDevice> device = MakeCpuTrainDevice({options, plan, 60});
 };
