@@ -213,4 +213,22 @@ Image8 ResizeLikePillow(const Image8& image, int width, int height) {
   return out;
 }
 
+ImageF ResizeRgbLikePillow(const ImageF& image, int width, int height) {
+  constexpr float kRoundOff = 1e-3f;  // of a whole byte that was divided by 255
+  ImageF small = ResizeArea(image, width, height);
+  const size_t channels = static_cast<size_t>(image.channels);
+  Image8 rgb{image.width, image.height, 3, {}};
+  for (size_t i = 0; i < image.data.size(); i += channels) {
+    for (size_t c = 0; c < 3; ++c) {
+      const float byte = std::floor(255 * image.data[i + c] + kRoundOff);
+      rgb.data.push_back(static_cast<uint8_t>(std::clamp(byte, 0.f, 255.f)));
+    }
+  }
+  const Image8 bytes = ResizeLikePillow(rgb, width, height);
+  for (size_t i = 0; i < bytes.data.size(); ++i) {
+    small.data[i / 3 * channels + i % 3] = static_cast<float>(bytes.data[i]) / 255;
+  }
+  return small;
+}
+
 }  // namespace oraclegs

@@ -8,7 +8,7 @@ namespace oraclegs {
 namespace {
 
 std::vector<std::string> Asked(const ProposeOptions& options) {
-  return SplitTrimmed(options.proposers.ValueOr(kProxiesWord), ',');
+  return SplitTrimmed(options.proposers.is_auto() ? kProxiesWord : options.proposers.value(), ',');
 }
 
 bool Has(const std::vector<std::string>& words, std::string_view word) {
@@ -64,7 +64,7 @@ void CheckProposers(const ProposeOptions& options) {
   const auto unknown = std::find_if(asked.begin(), asked.end(), [&](const auto& word) { return !Has(known, word); });
   const bool none = Has(asked, kNoneWord);
   if (asked.empty() || unknown != asked.end() || (none && asked.size() > 1)) {
-    throw UsageError("--proposers is '{}', must be auto, none, or of the words: {}{}", options.proposers.ValueOr(""),
+    throw UsageError("--proposers is '{}', must be auto, none, or of the words: {}{}", options.proposers.value(),
                      fmt::join(known.begin(), known.end() - 1, ", "),
                      unknown != asked.end() ? DidYouMean(*unknown, known) : "");
   }

@@ -1,7 +1,6 @@
 #include "oraclegs/scene/loaded_view.h"
 
 #include <algorithm>
-#include <cmath>
 #include <mutex>
 #include <optional>
 #include <system_error>
@@ -158,29 +157,6 @@ void Store(ImageF image, LoadedView* loaded) {
   }
 }
 
-/// 255 `value` without its fraction, which for whole numbers may be an error of rounding.
-uint8_t ByteBelow(float value) {
-  constexpr float kRoundOff = 1e-3f;
-  return static_cast<uint8_t>(std::clamp(std::floor(255 * value + kRoundOff), 0.f, 255.f));
-}
-
-/// The image at the working size; what is beside RGB is always averaged.
-ImageF Reduced(ImageF image, int width, int height, ResizeFilter filter) {
-  ImageF small = ResizeArea(image, width, height);
-  if (filter == ResizeFilter::kArea) return small;
-  const size_t channels = static_cast<size_t>(image.channels);
-  Image8 rgb{image.width, image.height, 3, {}};
-  for (size_t i = 0; i < image.data.size(); i += channels) {
-    // Bytes are cut off, not rounded, as where the public code composites; whole ones stay.
-    for (size_t c = 0; c < 3; ++c) rgb.data.push_back(ByteBelow(image.data[i + c]));
-  }
-  const Image8 bytes = ResizeLikePillow(rgb, width, height);
-  for (size_t i = 0; i < bytes.data.size(); ++i) {
-    small.data[i / 3 * channels + i % 3] = static_cast<float>(bytes.data[i]) / 255;
-  }
-  return small;
-}
-
 LoadedView LoadView(const Scene& scene, const SceneView& view, const ImageOptions& options) {
   LoadedView loaded{view.name, WorkingCamera(view, options), {}, {}};
   Source source = ReadSource(view, options);
@@ -196,8 +172,8 @@ LoadedView LoadView(const Scene& scene, const SceneView& view, const ImageOption
   }
   if (image.width != loaded.camera.width || image.height != loaded.camera.height) {
     const bool is_premultiplied = image.channels > kAlphaChannel && AlphaMasks(scene);  // no color that bytes can hold
-    const ResizeFilter filter = is_premultiplied ? ResizeFilter::kArea : options.resize;
-    image = Reduced(std::move(image), loaded.camera.width, loaded.camera.height, filter);
+    const bool like_pillow = options.resize == ResizeFilter::kPillow && !is_premultiplied;
+    image = (like_pillow ? ResizeRgbLikePillow : ResizeArea)(image, loaded.camera.width, loaded.camera.height);
   }
   Store(std::move(image), &loaded);
   if (AlphaMasks(scene) && !loaded.alpha.empty()) TakeStraightColors(BackgroundColor(options.background), &loaded);

@@ -30,7 +30,7 @@ struct MonocularMaps {
   double right = 0;  ///< mean over the views of the share that was right (depth/monocular.h)
 };
 
-/// What the network predicted for each view.
+/// The network's prediction for each view.
 struct NetworkDepth {
   const std::vector<RelativeDepth>& predicted;
   bool is_whole = false;  ///< kMonocular: taken whole (WholeDepth), as the paper's depth loss does

@@ -30,16 +30,6 @@ TEST(SevaImageFit, ImagesAndIntrinsicsMatchTheOfficialOnes) {
   EXPECT_GE(cases, 1);
 }
 
-TEST(SevaImageFit, WorkingSizesAreMultiplesOf64) {
-  const Size square = WorkingSize({800, 800}, 576), wide = WorkingSize({1297, 840}, 576);
-  EXPECT_EQ(square.width, 576);
-  EXPECT_EQ(square.height, 576);
-  EXPECT_EQ(wide.width, 896);
-  EXPECT_EQ(wide.height, 576);
-  EXPECT_EQ(WorkingSize({840, 1297}, 576).height, 896);
-  EXPECT_EQ(WorkingSize({50, 50}, 10).width, 64);
-}
-
 /// A smooth image whose colors encode the position.
 Tensor Gradient(int64_t height, int64_t width) {
   const Tensor y = (at::arange(height) + 0.5).div(static_cast<double>(height)).view({1, 1, height, 1});
