@@ -57,8 +57,8 @@ ImageF ResizeArea(const ImageF& image, int width, int height);
 /// a size is not positive.
 Image8 ResizeLikePillow(const Image8& image, int width, int height);
 
-/// The same of an image whose first three channels are colors: these as bytes, cut off and not rounded, as they are
-/// where the public code of [Kerbl 2023] composites an image on its background; further channels as ResizeArea.
+/// ResizeLikePillow of an image whose first three channels are colors: these as bytes, cut off and not rounded, as they
+/// are where the public code of [Kerbl 2023] composites an image on its background; further channels as ResizeArea.
 ImageF ResizeRgbLikePillow(const ImageF& image, int width, int height);
 
 }  // namespace oraclegs
