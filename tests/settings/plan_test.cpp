@@ -59,6 +59,8 @@ TEST(ChooseOracle, TakesWhatIsNamed) {
 TEST(ChooseOracle, AllowsAPassOverAllOnlyWhereNothingIsHeldOutAndSizesMayDiffer) {
   RunOptions options = With(OracleKind::kConsistency);
   options.validate.oracle_pass = OraclePass::kAll;
+  EXPECT_NO_THROW(ChooseOracle(options)) << "it does not ask VGGT";
+  options.validate.oracle = OracleKind::kVggtAndConsistency;
   const auto message = [&] { return MessageOf<UsageError>([&] { ChooseOracle(options); }); };
   EXPECT_THAT(message(), AllOf(HasSubstr("oracle-pass=all"), HasSubstr("oracle-mode=official")));
   options.validate.oracle = OracleKind::kVggt;

@@ -38,12 +38,14 @@ std::string WithoutProposer(const ProposeOptions& options, std::string_view word
 
 void AddProposer(const KnownProposer& proposer, const RunOptions& options, std::vector<MissingNetwork>* list) {
   if (!ProposesViews(options) || !options.propose.Uses(proposer.word)) return;
-  MissingNetwork network{
-      Asked("proposers", proposer.word),
-      {},
-      "",
-      Asked("proposers", WithoutProposer(options.propose, proposer.word)),
-      [word = proposer.word](RunOptions* o) { o->propose.proposers = WithoutProposer(o->propose, word); }};
+  MissingNetwork network{Asked("proposers", proposer.word),
+                         {},
+                         "",
+                         Asked("proposers", WithoutProposer(options.propose, proposer.word)),
+                         [word = proposer.word](RunOptions* o) {
+                           o->propose.proposers = WithoutProposer(o->propose, word);
+                           o->propose.proposal_size = ProposalSize::kView;  // nothing else has a size of its own
+                         }};
   for (const char* model : proposer.networks) {
     const bool is_given = std::string_view(model) == "seva" && !options.weights.seva_weights.empty();
     const bool is_here = is_given ? !FindWeights(model, options.weights.seva_weights).empty() : IsHere(model);

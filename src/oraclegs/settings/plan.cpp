@@ -11,10 +11,11 @@ void RequireLayers(const RunOptions& options, const VggtWeights& weights) {
   RequireAttentionLayers(AttentionLayersOf(options.validate), weights.layers, weights.name);
 }
 
-/// Throws UsageError for a pass over all images that the other options of the oracle do not allow: nothing can be held
-/// out of it, and its views differ in size.
+/// Throws UsageError for a pass of VGGT over all images that the other options of the oracle do not allow: nothing can
+/// be held out of it, and its views differ in size.
 void RequirePass(const ValidateOptions& options) {
-  if (options.oracle_pass == OraclePass::kChunk) return;
+  const bool asks_vggt = options.oracle != OracleKind::kConsistency && options.oracle != OracleKind::kUniform;
+  if (!asks_vggt || options.oracle_pass == OraclePass::kChunk) return;
   if (options.oracle == OracleKind::kVggt && options.oracle_mode == AttentionMode::kOfficial && !options.calibrate)
     return;
   throw UsageError(
@@ -86,7 +87,7 @@ Plan MakePlan(const RunOptions& options, bool has_poses) {
     plan.poses = RequireVggtWeights(options.weights.vggt_weights, "--poses vggt");
     RequireNetworksLibrary("--poses vggt");
   }
-  if (options.propose.proposal_size == ProposalSize::kOwn && !plan.Uses(options, "seva")) {
+  if (plan.proposes && options.propose.proposal_size == ProposalSize::kOwn && !plan.Uses(options, "seva")) {
     throw UsageError("--set proposal-size=own: only --proposers seva has a size of its own");
   }
   for (const KnownProposer& known : KnownProposers()) {
