@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pthread.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -125,6 +126,15 @@ void LeaveRoomOf(rlim_t bytes) {
   setrlimit(RLIMIT_AS, &limit);
 }
 
+/// Gives threads from now on stacks of this size.
+void SetStackSize(size_t bytes) {
+  pthread_attr_t attributes;
+  pthread_attr_init(&attributes);
+  pthread_attr_setstacksize(&attributes, bytes);
+  pthread_setattr_default_np(&attributes);
+  pthread_attr_destroy(&attributes);
+}
+
 /// Ends the process: with 0 when many simultaneous clients are answered by the few threads that fit into memory.
 [[noreturn]] void ServeWithLittleRoom() {
   LimitedServer server;
@@ -135,7 +145,9 @@ void LeaveRoomOf(rlim_t bytes) {
   const int port = server.bind_to_any_port("127.0.0.1");
   std::thread thread([&] { server.listen_after_bind(); });
   while (!server.is_running()) std::this_thread::yield();
-  LeaveRoomOf(rlim_t{40} << 20);
+  constexpr rlim_t kStack = rlim_t{32} << 20;  // large beside all else, so that it is a stack that does not fit
+  SetStackSize(kStack);
+  LeaveRoomOf(3 * kStack + kStack / 2);
   std::vector<std::unique_ptr<RawClient>> clients;
   for (int i = 0; i < 40; ++i) {
     clients.push_back(std::make_unique<RawClient>(port));
