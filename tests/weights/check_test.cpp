@@ -108,13 +108,21 @@ TEST(CheckPublished, ComparesTheChecksum) {
 TEST(RefuseAnotherNetwork, NamesTheNetworkThatAFileIsPublishedAs) {
   const TempDir dir;
   const auto path = dir / "model.safetensors";
-  WriteFileAtomically(path, std::string(1000, 'x'));
-  WeightsInfo asked = WeightsNamed("seva");
-  EXPECT_NO_THROW(RefuseAnotherNetwork(asked, path, Silent())) << "far too short to be published";
+  const std::string bytes(1000, 'x');
+  WriteFileAtomically(path, bytes);
+  WeightsInfo asked = WeightsNamed("seva"), other = WeightsNamed("seva-1.0");
   asked.download_bytes = 1000;
-  EXPECT_NO_THROW(RefuseAnotherNetwork(asked, path, Silent())) << "nobody publishes it";
-  const WeightsInfo& shortest = WeightsNamed("sd21-vae");
-  EXPECT_NE(shortest.files[0].sha256, asked.files[0].sha256);
+  EXPECT_NO_THROW(RefuseAnotherNetwork(asked, {asked, other}, path, Silent())) << "nobody publishes it";
+  other.files[0].sha256 = Sha256().Add(bytes).Hex();
+  EXPECT_THAT(
+      [&] {
+        RefuseAnotherNetwork(asked, {asked, other}, path, Silent());
+      },
+      ThrowsMessage<InputError>(
+          AllOf(StartsWith(path.string() + ": holds seva-1.0, not seva"), HasSubstr("`oraclegs models fetch seva`"))));
+  EXPECT_NO_THROW(RefuseAnotherNetwork(other, {asked, other}, path, Silent())) << "it is what it should be";
+  asked.download_bytes = 5000;
+  EXPECT_NO_THROW(RefuseAnotherNetwork(asked, {asked, other}, path, Silent())) << "far too short: it is not read";
 }
 
 TEST(CheckPublished, IsNotPossibleForAllFiles) {

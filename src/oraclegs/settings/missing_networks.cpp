@@ -5,6 +5,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/settings/plan.h"
+#include "oraclegs/weights/check.h"
 #include "oraclegs/weights/folder.h"
 
 namespace oraclegs {
@@ -80,6 +81,14 @@ void AddOracle(const RunOptions& options, std::vector<MissingNetwork>* list) {
         list);
 }
 
+/// Throws InputError where another version of SEVA lies in the place of the one that is fetched.
+void RefuseOtherSeva(const RunOptions& options, const Listener& listener) {
+  constexpr const char* kSeva = "seva";
+  if (!ProposesViews(options) || !options.propose.Uses(kSeva) || !options.weights.seva_weights.empty()) return;
+  if (!IsHere(kSeva)) return;
+  RefuseAnotherNetwork(WeightsNamed(kSeva), AllWeights(), *LocateWeights(kSeva), listener);
+}
+
 /// Values of of(network) for each, without repetitions, in their order.
 template <class Of>
 std::vector<std::string> Distinct(const std::vector<MissingNetwork>& missing, const Of& of) {
@@ -137,6 +146,7 @@ std::vector<MissingNetwork> MissingNetworks(const RunOptions& options, bool has_
 RunOptions WithNetworksAtHand(const RunOptions& options, bool has_poses, const Listener& listener) {
   const std::vector<MissingNetwork> missing = MissingNetworks(options, has_poses);
   if (!missing.empty() && !options.weights.allow_fallback) Refuse(missing);
+  RefuseOtherSeva(options, listener);
   RunOptions changed = options;
   for (const MissingNetwork& network : missing) {
     network.apply(&changed);

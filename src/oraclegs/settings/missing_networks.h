@@ -26,7 +26,8 @@ std::vector<MissingNetwork> MissingNetworks(const RunOptions& options, bool has_
 
 /// Returns the options unchanged when nothing is missing. Otherwise, with --allow-fallback, returns them with the
 /// replacements, and gives a Warning of each; without it throws one InputError that lists all missing networks and the
-/// commands that fetch them.
+/// commands that fetch them. Throws InputError, too, where another version of Stable Virtual Camera lies in the place
+/// of the fetched one.
 RunOptions WithNetworksAtHand(const RunOptions& options, bool has_poses, const Listener& listener);
 
 }  // namespace oraclegs

@@ -1,5 +1,5 @@
 #pragma once
-// What the trainer is given: views with what stereo knows of them. And the evidence that its options are settled from.
+// Inputs of the trainer: views with what stereo knows of them, and the evidence that its options are settled from.
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>

@@ -110,14 +110,15 @@ bool CheckPublished(const WeightsInfo& model, const std::filesystem::path& weigh
       weights.string(), model.name, sum, model.files[0].sha256, model.name);
 }
 
-void RefuseAnotherNetwork(const WeightsInfo& model, const std::filesystem::path& weights, const Listener& listener) {
+void RefuseAnotherNetwork(const WeightsInfo& model, const std::vector<WeightsInfo>& all,
+                          const std::filesystem::path& weights, const Listener& listener) {
   constexpr double kAboutAsLong = 0.01;
   std::error_code error;
   const auto bytes = static_cast<double>(std::filesystem::file_size(weights, error));
   const auto published = static_cast<double>(model.download_bytes);
   if (error || std::abs(bytes - published) > kAboutAsLong * published) return;
   const std::string sum = ChecksumOf(weights, listener);
-  for (const WeightsInfo& other : AllWeights()) {
+  for (const WeightsInfo& other : all) {
     if (other.name == model.name || other.files.size() != 1 || other.files[0].sha256 != sum) continue;
     throw InputError("{}: holds {}, not {}; store it as {}/model.safetensors and run `oraclegs models fetch {}`",
                      weights.string(), other.name, model.name, other.name, model.name);

@@ -39,8 +39,9 @@ size_t CheckWeights(const WeightsInfo& model, const std::filesystem::path& weigh
 /// Reports StepDone{"check"}. Throws InputError when it is another file.
 bool CheckPublished(const WeightsInfo& model, const std::filesystem::path& weights, const Listener& listener);
 
-/// Throws InputError for a file that is published as another network of AllWeights than `model`, of the same names and
-/// shapes. Reads a file of about the published length alone, and reports as CheckPublished does.
-void RefuseAnotherNetwork(const WeightsInfo& model, const std::filesystem::path& weights, const Listener& listener);
+/// Throws InputError for a file that is published as another one of `all` than `model`: versions of a network have the
+/// same names and shapes. Reads a file of about the published length alone, and reports as CheckPublished does.
+void RefuseAnotherNetwork(const WeightsInfo& model, const std::vector<WeightsInfo>& all,
+                          const std::filesystem::path& weights, const Listener& listener);
 
 }  // namespace oraclegs

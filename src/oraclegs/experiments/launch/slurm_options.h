@@ -1,5 +1,5 @@
 #pragma once
-// What a cluster is asked for: the resources of a task, and arrays of tasks.
+// Options of a cluster: the resources of a task, and arrays of tasks.
 
 #include <cstddef>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-// What train/outliers.h does, on a GPU.
+// Outliers (train/outliers.h) on a GPU.
 
 #include <cuda_runtime.h>
 
