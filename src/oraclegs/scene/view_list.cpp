@@ -20,12 +20,12 @@ constexpr uint64_t kMaxListBytes = 1 << 20;
 
 constexpr size_t kWays = 4;
 
-/// The ways to call a view, most exact first.
-std::array<std::string, kWays> NamesOf(const std::string& name) {
-  const std::filesystem::path path(name);
-  std::filesystem::path without_extension = path;
-  without_extension.replace_extension();
-  return {name, path.filename().string(), without_extension.string(), path.stem().string()};
+/// One of the ways to call a view, of which the first is the most exact.
+std::string CalledIn(size_t way, const std::string& name) {
+  if (way == 0) return name;
+  std::filesystem::path path(name);
+  if (way == 1) return path.filename().string();
+  return way == 2 ? path.replace_extension().string() : path.stem().string();
 }
 
 /// Views by what they are called: lists and scenes may both be long. Each way is indexed when it is first asked for,
@@ -34,13 +34,13 @@ class ViewsByName {
  public:
   explicit ViewsByName(const Scene& scene) : scene_(scene) {}
 
-  /// The views that are called so in one of the ways; null where there is none.
+  /// The views that are called so in one of the ways (CalledIn); null where there is none.
   const std::vector<int>* Find(size_t way, const std::string& name) {
     auto& by_name = ways_[way];
     if (by_name.empty()) {
       by_name.reserve(scene_.views.size());
       for (const int i : AllViews(scene_))
-        by_name[NamesOf(scene_.views[static_cast<size_t>(i)].name)[way]].push_back(i);
+        by_name[CalledIn(way, scene_.views[static_cast<size_t>(i)].name)].push_back(i);
     }
     const auto found = by_name.find(name);
     return found == by_name.end() ? nullptr : &found->second;
@@ -75,8 +75,10 @@ int FindView(const Scene& scene, ViewsByName* views, const std::string& option, 
                      SomeNames(NamesAt(scene, *called_so)));
   }
   const auto missing = std::find_if(scene.missing_images.begin(), scene.missing_images.end(), [&](const auto& name) {
-    const auto names = NamesOf(name);
-    return std::find(names.begin(), names.end(), wanted) != names.end();
+    for (size_t way = 0; way < kWays; ++way) {
+      if (CalledIn(way, name) == wanted) return true;
+    }
+    return false;
   });
   if (missing != scene.missing_images.end()) {
     throw InputError("{}: the view '{}' in {} has no image file", scene.root.string(), wanted, option);

@@ -23,9 +23,9 @@ inline BenchReport ExampleBench() {
   report.version = "1.0 (abc)", report.scenes = {"garden", "room"}, report.views = {12};
   report.methods = {{"paper", "OracleGS", ""}, {"3dgs-mcmc", "3DGS-MCMC", "Kheradmand 2024"}};
   report.seeds = {0, 1}, report.compares = true;
-  report.runs = {ExampleScore("garden", "paper", 0, 20),      ExampleScore("garden", "paper", 1, 21),
+  report.runs = {ExampleScore("garden", "paper", 0, 20),     ExampleScore("garden", "paper", 1, 21),
                  ExampleScore("garden", "3dgs-mcmc", 0, 21), ExampleScore("garden", "3dgs-mcmc", 1, 19),
-                 ExampleScore("room", "paper", 0, 22),        ExampleScore("room", "paper", 1, 25),
+                 ExampleScore("room", "paper", 0, 22),       ExampleScore("room", "paper", 1, 25),
                  ExampleScore("room", "3dgs-mcmc", 0, 0),    ExampleScore("room", "3dgs-mcmc", 1, 0)};
   report.runs[6].failure = "no|points";
   report.runs[7].ended = false;
