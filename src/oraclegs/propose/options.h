@@ -13,6 +13,9 @@ namespace oraclegs {
 inline constexpr const char *kProxiesWord = "proxies", *kWarpWord = "warp", *kCommandWord = "command",
                             *kNoneWord = "none";
 
+/// Names in `oraclegs models` of the weights of SEVA: its own network, the autoencoder and the image encoder.
+inline constexpr const char* kSevaNetworks[] = {"seva", "sd21-vae", "openclip-vith14"};
+
 /// A proposer as options, help and settings know it; its row (stages/proposer_row.h) has the rest.
 struct KnownProposer {
   const char* word;  ///< word of --proposers; sources of its proposals, and their folders, begin with it
