@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstring>
+#include <string>
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/mesh/triangle_mesh.h"
