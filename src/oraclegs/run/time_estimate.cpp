@@ -3,11 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "oraclegs/core/host.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
-#include "oraclegs/core/text.h"
-#include "oraclegs/run/needed_photos.h"
 #include "oraclegs/train/timings.h"
 #include "oraclegs/train/trainer.h"
 
@@ -62,18 +59,6 @@ double Measure() {
   return mean / kReferenceMilliseconds;
 }
 
-constexpr double kCoveredByObject = 0.45;  // of a Blender scene's images
-
-/// Warns only: the estimate is an upper bound, and more memory may become free.
-void WarnOfMemory(int64_t needed, const Listener& listener) {
-  const uint64_t available = AvailableMemory();
-  if (available == 0 || static_cast<uint64_t>(needed) <= available) return;
-  listener(Warning{fmt::format(
-      "this run may need {:.1f} GB of memory, {:.1f} GB are available; close other programs, or lower --max-size or "
-      "--max-gaussians",
-      Gigabytes(needed), Gigabytes(static_cast<int64_t>(available)))});
-}
-
 }  // namespace
 
 double EstimateSeconds(const Stage& stage, const EstimateInput& input) {
@@ -92,28 +77,6 @@ int64_t EstimateRunMemory(const EstimateInput& input) {
 double CpuSlowness() {
   static const double slowness = Measure();
   return slowness;
-}
-
-void AnnounceStages(Run* run) {
-  const Split split = SplitOfRun(*run);
-  const auto train = static_cast<int>(split.train.size()), test = static_cast<int>(split.test.size());
-  const auto all = static_cast<int>(run->scene.views.size());
-  const EstimateInput input{run->options,
-                            SizeOf(run->scene, train),
-                            run->photos.empty() ? 0 : all,
-                            test,
-                            all - train - test,
-                            run->plan.device.is_cpu() ? CpuSlowness() : 0,
-                            run->scene.format == SceneFormat::kBlender ? kCoveredByObject : 1};
-  RunPlanned planned;
-  for (const Stage& stage : *run->stages) {
-    if (!stage.work.wanted(*run)) continue;
-    const bool known = run->plan.device.is_cpu() && !(stage.work.uses_network && stage.work.uses_network(*run));
-    planned.stages.push_back({stage.name, known ? EstimateSeconds(stage, input) : 0});
-    if (known) run->predicted[stage.name] = planned.stages.back().seconds;
-  }
-  run->listener(planned);
-  if (run->plan.device.is_cpu()) WarnOfMemory(EstimateRunMemory(input), run->listener);
 }
 
 }  // namespace oraclegs

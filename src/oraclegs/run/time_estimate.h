@@ -1,5 +1,5 @@
 #pragma once
-// Times of a run's stages and its memory, before it begins.
+// Seconds of stages and bytes of memory, before a run begins.
 
 #include "oraclegs/stages/stage.h"
 #include "oraclegs/stages/stage_seconds.h"
@@ -16,10 +16,5 @@ int64_t EstimateRunMemory(const EstimateInput& input);
 /// idle cores of an AMD EPYC with AVX-512; docs/benchmarks.md): 2 = half as fast. Takes about half a second, measured
 /// once a process, with the threads of SetNumThreads.
 double CpuSlowness();
-
-/// Reports the stages of the run up to its report, with the time of each where it can be predicted
-/// (EstimateSeconds), stores these times in run->predicted, and warns where memory may not suffice. Call it
-/// when the scene has been read, before the first stage.
-void AnnounceStages(Run* run);
 
 }  // namespace oraclegs

@@ -12,6 +12,7 @@
 #include "oraclegs/core/progress.h"
 #include "oraclegs/settings/device.h"
 #include "oraclegs/settings/options.h"
+#include "oraclegs/settings/vggt_weights.h"
 #include "oraclegs/settings/weights.h"
 
 namespace oraclegs {

@@ -6,7 +6,7 @@
 #include "oraclegs/core/buffer.h"
 #include "oraclegs/core/progress.h"
 #include "oraclegs/scene/scene.h"
-#include "oraclegs/settings/weights.h"
+#include "oraclegs/settings/vggt_weights.h"
 
 namespace oraclegs {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "oraclegs/settings/weights.h"
+#include "oraclegs/settings/vggt_weights.h"
 #include "oraclegs/workspace/workspace.h"
 
 namespace oraclegs {

@@ -1,0 +1,47 @@
+#include "oraclegs/run/announce_stages.h"
+
+#include "oraclegs/core/host.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/run/needed_photos.h"
+#include "oraclegs/run/time_estimate.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr double kCoveredByObject = 0.45;  // of a Blender scene's images
+
+/// Warns only: the estimate is an upper bound, and more memory may become free.
+void WarnOfMemory(int64_t needed, const Listener& listener) {
+  const uint64_t available = AvailableMemory();
+  if (available == 0 || static_cast<uint64_t>(needed) <= available) return;
+  listener(Warning{fmt::format(
+      "this run may need {:.1f} GB of memory, {:.1f} GB are available; close other programs, or lower --max-size or "
+      "--max-gaussians",
+      Gigabytes(needed), Gigabytes(static_cast<int64_t>(available)))});
+}
+
+}  // namespace
+
+void AnnounceStages(Run* run) {
+  const Split split = SplitOfRun(*run);
+  const auto train = static_cast<int>(split.train.size()), test = static_cast<int>(split.test.size());
+  const auto all = static_cast<int>(run->scene.views.size());
+  const EstimateInput input{run->options,
+                            SizeOf(run->scene, train),
+                            run->photos.empty() ? 0 : all,
+                            test,
+                            all - train - test,
+                            run->plan.device.is_cpu() ? CpuSlowness() : 0,
+                            run->scene.format == SceneFormat::kBlender ? kCoveredByObject : 1};
+  RunPlanned planned;
+  for (const Stage& stage : *run->stages) {
+    if (!stage.work.wanted(*run)) continue;
+    const bool known = run->plan.device.is_cpu() && !(stage.work.uses_network && stage.work.uses_network(*run));
+    planned.stages.push_back({stage.name, known ? EstimateSeconds(stage, input) : 0});
+    if (known) run->predicted[stage.name] = planned.stages.back().seconds;
+  }
+  run->listener(planned);
+  if (run->plan.device.is_cpu()) WarnOfMemory(EstimateRunMemory(input), run->listener);
+}
+
+}  // namespace oraclegs

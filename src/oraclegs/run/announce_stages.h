@@ -1,0 +1,12 @@
+#pragma once
+
+#include "oraclegs/stages/stage.h"
+
+namespace oraclegs {
+
+/// Reports the stages of the run up to its report, with the time of each where it can be predicted
+/// (estimate/time_estimate.h), stores these times in run->predicted, and warns where memory may not suffice. Call it
+/// when the scene has been read, before the first stage.
+void AnnounceStages(Run* run);
+
+}  // namespace oraclegs
