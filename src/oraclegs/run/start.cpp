@@ -15,7 +15,6 @@
 #include "oraclegs/render/constants.h"
 #include "oraclegs/run/announce_stages.h"
 #include "oraclegs/run/needed_photos.h"
-#include "oraclegs/run/photo_report.h"
 #include "oraclegs/run/stages.h"
 #include "oraclegs/scene/declared_split.h"
 #include "oraclegs/scene/frame_comments.h"
@@ -24,7 +23,7 @@
 #include "oraclegs/scene/read_scene.h"
 #include "oraclegs/settings/missing_networks.h"
 #include "oraclegs/settings/run_size.h"
-#include "oraclegs/stages/register_stage.h"
+#include "oraclegs/stages/stage_works.h"
 #include "oraclegs/workspace/frame_file.h"
 
 namespace oraclegs {

@@ -1,7 +1,7 @@
 #include "oraclegs/settings/plan.h"
 
 #include "oraclegs/networks/loader.h"
-#include "oraclegs/validate/attention_layers.h"
+#include "oraclegs/validate/vggt_oracle.h"
 
 namespace oraclegs {
 namespace {

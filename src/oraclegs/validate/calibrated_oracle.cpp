@@ -4,7 +4,6 @@
 #include <array>
 
 #include "oraclegs/networks/loader.h"
-#include "oraclegs/validate/attention_layers.h"
 #include "oraclegs/validate/vggt_oracle.h"
 
 namespace oraclegs {

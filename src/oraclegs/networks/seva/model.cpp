@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "oraclegs/networks/common/autocast.h"
-#include "oraclegs/networks/common/tensor_buffer.h"
+#include "oraclegs/networks/common/tensor.h"
 #include "oraclegs/networks/seva/openclip.h"
 #include "oraclegs/networks/seva/vae_tiles.h"
 

@@ -1,14 +1,23 @@
-#include "oraclegs/networks/seva/cost.h"
+#pragma once
+// Operations of a step of SEVA, so that a measured time can be compared with the machine's peak
+// (docs/method.md#seva-cost-and-memory).
+
+#include "oraclegs/networks/seva/unet.h"
 
 namespace oraclegs::seva {
-namespace {
 
-constexpr double kMultiplyAdd = 2;
+inline constexpr double kMultiplyAdd = 2;
 
+/// Operations (a multiply-add is two) of one evaluation of both halves of guidance: linear layers, convolutions and
+/// attention as the published network has them. (With one context token we skip a few per cent of it.)
+struct Cost {
+  double total = 0;
+  double joint_attention = 0;  ///< share of the total: scores and values where all frames attend to each other
+};
 /// Counts operations along the network.
-class Counter {
+class CostCounter {
  public:
-  Counter(int64_t frames, int64_t height, int64_t width) : frames_(frames), pixels_(height * width) {}
+  CostCounter(int64_t frames, int64_t height, int64_t width) : frames_(frames), pixels_(height * width) {}
 
   const Cost& cost() const { return cost_; }
 
@@ -79,10 +88,9 @@ class Counter {
   Cost cost_;
 };
 
-}  // namespace
-
-Cost CostOfStep(const Unet& unet, int64_t frames, int64_t height, int64_t width) {
-  Counter counter(frames, height, width);
+/// `unet` may have no memory (ListedParameters); latents of `height` x `width`.
+inline Cost CostOfStep(const Unet& unet, int64_t frames, int64_t height, int64_t width) {
+  CostCounter counter(frames, height, width);
   counter.Weight(unet.time1.weight, counter.Rows());
   counter.Weight(unet.time2.weight, counter.Rows());
   for (const UnetBlock& block : unet.input_blocks) counter.AddBlock(block);

@@ -1,5 +1,6 @@
 #pragma once
-// Types of the norms and sums of SEVA's UNet, shared by libtorch's operations and our own kernels.
+// Norms and sums of SEVA's UNet: their types, shared by libtorch's operations and our own kernels (kernels.h), and
+// group normalization.
 
 #include "oraclegs/networks/common/layers.h"
 
@@ -26,5 +27,17 @@ struct Addend {
   Tensor rows;     ///< contiguous, with as many numbers as x
   Tensor vectors;  ///< [C], or [G, C] or [G, 1, C], each row for as many adjacent rows of x
 };
+
+// Group normalization as Stable Diffusion's networks use it (docs/method.md#seva-group-norm).
+
+/// Throws ShapeError when the groups do not divide the channels.
+GroupNorm LoadGroupNorm(const ParameterScope& at, int64_t channels, int64_t groups, double eps);
+/// x [B, channels, ...] -> the same shape and type; computed in float32 whatever the type.
+Tensor Forward(const GroupNorm& layer, const Tensor& x);
+/// y sigmoid(y) with y = Forward(layer, x), without a second copy.
+Tensor NormThenSilu(const GroupNorm& layer, const Tensor& x);
+
+/// NormThenSilu with its neighbors in the block. With offsets, x [B, channels, h, w] is undefined afterwards.
+Tensor NormThenSilu(const GroupNorm& layer, Tensor x, const AroundNorm& around);
 
 }  // namespace oraclegs::seva

@@ -1,4 +1,4 @@
-#include "oraclegs/networks/common/tensor_buffer.h"
+#include "oraclegs/networks/common/tensor.h"
 
 #include <gtest/gtest.h>
 #include <torch/cuda.h>

@@ -1,25 +1,27 @@
-#include "oraclegs/demo/shape_distance.h"
+#pragma once
+// Distance of a point from the surfaces of the demo scene: the truth for reconstructions of its images.
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
+
+#include "oraclegs/demo/raytracer.h"
 
 namespace oraclegs {
-namespace {
 
-double DistanceToBox(const Vec3& p, const Vec3& half) {
+inline double DistanceToBox(const Vec3& p, const Vec3& half) {
   const double x = std::abs(p.x) - half.x, y = std::abs(p.y) - half.y, z = std::abs(p.z) - half.z;
   const Vec3 beyond{std::max(x, 0.0), std::max(y, 0.0), std::max(z, 0.0)};
   return std::abs(Length(beyond) + std::min(std::max({x, y, z}), 0.0));
 }
 
-double DistanceToCylinder(const Vec3& p, double radius, double half_height) {
+inline double DistanceToCylinder(const Vec3& p, double radius, double half_height) {
   const double r = std::hypot(p.x, p.y) - radius, z = std::abs(p.z) - half_height;
   return std::abs(std::hypot(std::max(r, 0.0), std::max(z, 0.0)) + std::min(std::max(r, z), 0.0));
 }
 
-}  // namespace
-
-double DistanceToSurface(const Solid& shape, const Vec3& point) {
+/// The exact distance of a point (world) to the surface of a solid, from either side.
+inline double DistanceToSurface(const Solid& shape, const Vec3& point) {
   const Vec3 offset = point - shape.center;
   const Vec3 p{Dot(offset, shape.axis_x), Dot(offset, shape.axis_y), Dot(offset, shape.axis_z)};
   switch (shape.kind) {
@@ -34,7 +36,8 @@ double DistanceToSurface(const Solid& shape, const Vec3& point) {
   }
 }
 
-double DistanceToScene(const std::vector<SceneObject>& objects, const Vec3& point) {
+/// The distance to the nearest surface of the objects.
+inline double DistanceToScene(const std::vector<SceneObject>& objects, const Vec3& point) {
   double nearest = 1e300;
   for (const SceneObject& object : objects) nearest = std::min(nearest, DistanceToSurface(object.shape, point));
   return nearest;
