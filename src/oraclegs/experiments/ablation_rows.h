@@ -19,6 +19,8 @@ struct AblationRow {
   void (*apply)(const RunOptions& asked, RunOptions* options);
 };
 
+/// All rows have the iterations, the horizon and the most Gaussians that are asked for. Up to "dense" they train as
+/// Published3dgs() says, with or without a preset, but for the parts that the rows add.
 const std::vector<AblationRow>& AblationRows();
 
 /// Options of a row, an index of AblationRows(). The last row has `asked`.
