@@ -5,6 +5,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/safetensors.h"
 #include "oraclegs/settings/fingerprint.h"
+#include "oraclegs/settings/weights.h"
 #include "oraclegs/weights/folder.h"
 
 namespace oraclegs {
@@ -42,7 +43,7 @@ VggtWeights Describe(const fs::path& path, const std::string& name) {
   const auto model = file.metadata().find("model");
   const bool commercial = name == kCommercial || (model != file.metadata().end() && model->second == kCommercialModel);
   return {path, commercial ? kCommercial : kResearch, Fingerprint().AddTensors(file).Hex(), commercial,
-          CountAttentionLayers(file)};
+          BytesOf(file), CountAttentionLayers(file)};
 }
 
 }  // namespace
