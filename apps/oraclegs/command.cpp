@@ -64,6 +64,7 @@ void Command::BindRun(RunOptions* options) {
     });
     checks_.push_back([&group] { CheckOptions(group); });
   });
+  split_ = &options->split;
   machine_ = &options->machine;
   device_ = &options->device;
   file_limits_ = &options->file_limits;
@@ -147,7 +148,8 @@ void Command::Run(const std::string& command_line) {
   command_line_ = command_line;
   ApplySettings();
   if (!config_.empty()) ApplyConfigFile(config_, app_->get_name(), &table_);
-  if (!preset_.empty()) ApplyPreset(preset_, app_->get_name(), &table_);
+  std::map<std::string, std::string> overruled;
+  if (!preset_.empty()) overruled = ApplyPreset(preset_, app_->get_name(), &table_);
   ApplyDefaults();
   for (const auto& check : checks_) check();
   if (device_ && ComputesHere()) ChooseDevice(device_->device, ProbeDevices());
@@ -156,6 +158,10 @@ void Command::Run(const std::string& command_line) {
   Terminal terminal(output_.quiet ? Verbosity::kQuiet : output_.verbose ? Verbosity::kVerbose : Verbosity::kNormal);
   for (const CLI::Option* option : app_->get_options()) {
     if (option->count() > 0) Log().debug("option {} = {}", option->get_name(), fmt::join(option->results(), " "));
+  }
+  const auto views = overruled.find("views");
+  if (views != overruled.end() && views->second != std::to_string(split_->views)) {
+    terminal.AsListener()(Warning{ForOtherViews(preset_, views->second, split_->views)});
   }
   Body(terminal.AsListener());
 }
