@@ -48,8 +48,8 @@ TableOption* RequireOption(const std::string& name, const Source& source) {
           : meant);
 }
 
-/// Sets an option that nothing before has set; returns whether it did. Throws UsageError "FILE: ..." when the value does
-/// not fit.
+/// Sets an option that nothing before has set; returns whether it did. Throws UsageError "FILE: ..." when the value
+/// does not fit.
 bool SetFrom(const std::string& source, TableOption* option, const json& value) {
   if (option->given()) return false;
   try {

@@ -19,7 +19,8 @@ void ApplyConfigFile(const std::filesystem::path& file, const std::string& comma
 
 /// Sets options from the preset of this name; the message for an unknown one lists the presets. Returns the values of
 /// those that were set before.
-std::map<std::string, std::string> ApplyPreset(const std::string& name, const std::string& command, OptionTable* options);
+std::map<std::string, std::string> ApplyPreset(const std::string& name, const std::string& command,
+                                               OptionTable* options);
 
 /// Sets options from a run's saved ones; names that the command does not know are ignored. Throws InputError naming the
 /// file when a value does not fit.

@@ -54,8 +54,9 @@ Preset ReadPreset(const std::string& name) {
 }
 
 std::string ForOtherViews(const std::string& preset, const std::string& its_views, int views) {
-  std::string text = fmt::format("--preset {} is made for {} views; with --views {} its other settings stay as they are",
-                                 preset, its_views, views);
+  std::string text =
+      fmt::format("--preset {} is made for {} views; with --views {} its other settings stay as they are", preset,
+                  its_views, views);
   if (!preset.ends_with("-" + its_views)) return text;
   const std::string other = preset.substr(0, preset.size() - its_views.size()) + std::to_string(views);
   const std::vector<std::string> names = PresetNames();

@@ -109,8 +109,6 @@ class Networks(ManyViews):
                 file.write(len(header).to_bytes(8, "little") + header)
                 file.truncate(8 + len(header) + 4 * numbers)
             self.error_of(*arguments, code=2, names=[f"{asked} would compute on the CPU", "CUDA", "--device cpu"], **env)
-        # Asked for, it is what the files lack that counts.
-        self.error_of(*arguments, "--device", "cpu", code=3, names=["model.safetensors"], **env)
         self.assertFalse(out.exists())
 
     def test_too_little_is_told_before_anything_is_computed(self):

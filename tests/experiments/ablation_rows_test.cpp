@@ -63,8 +63,9 @@ TEST(AblationRows, BeginWithMcmcAlone) {
 /// What a row trains with, but for the sizes, which all rows share, and for what proposals and depth do to it.
 nlohmann::json McmcOptions(const AutoTrainOptions& train) {
   nlohmann::json json = OptionsToJson(train);
-  for (const char* left_out : {"iterations", "horizon", "max-gaussians", "schedule", "synthetic-floor", "synthetic-peak",
-                           "proposal-ssim", "proposal-lpips", "confidence-power", "depth-weight", "depth-loss"}) {
+  for (const char* left_out :
+       {"iterations", "horizon", "max-gaussians", "schedule", "synthetic-floor", "synthetic-peak", "proposal-ssim",
+        "proposal-lpips", "confidence-power", "depth-weight", "depth-loss"}) {
     json.erase(left_out);
   }
   return json;

@@ -32,7 +32,9 @@ TEST(RequireNetworkNeeds, RefusesBeforeAnythingIsComputed) {
               AllOf(HasSubstr("11 photos leave no room"), HasSubstr("--seva-frames must be at least 13")));
   EXPECT_THAT(MessageOf<RunError>([&] { with(10, kLittle); }),
               AllOf(StartsWith("seva needs about"), HasSubstr("--set seva-precision=bfloat16")));
-  EXPECT_THAT(MessageOf<RunError>([&] { with(10, kLittle, {{"propose", {}}}); }),
+  EXPECT_THAT(MessageOf<RunError>([&] {
+                with(10, kLittle, {{"propose", {}}});
+              }),
               AllOf(StartsWith("VGGT needs about"), HasSubstr("--oracle consistency")));
   EXPECT_NO_THROW(with(11, kLittle, {{"propose", {}}, {"validate", {}}})) << "both are done";
   options.propose.proposers = std::string("warp"), options.validate.oracle = OracleKind::kConsistency;

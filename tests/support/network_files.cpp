@@ -50,7 +50,8 @@ void WriteTinyNetworks(const fs::path& models) {
 
 fs::path WriteLargeWeights(const fs::path& path) {
   constexpr uintmax_t kBytes = 1'200'000'000;
-  std::string header = fmt::format(R"({{"x":{{"dtype":"F32","shape":[{}],"data_offsets":[0,{}]}}}})", kBytes / 4, kBytes);
+  std::string header =
+      fmt::format(R"({{"x":{{"dtype":"F32","shape":[{}],"data_offsets":[0,{}]}}}})", kBytes / 4, kBytes);
   header.resize((header.size() + 7) / 8 * 8, ' ');
   const uint64_t length = header.size();
   WriteFileAtomically(path, std::string(reinterpret_cast<const char*>(&length), sizeof(length)) + header);

@@ -38,8 +38,8 @@ Auto<std::string> PaperProposers(const ProposeOptions& asked) {
 }
 
 /// The training of 3DGS-MCMC as its authors have it, over as many iterations and with as many Gaussians as all rows
-/// train. What it does not have, proposals and depth, is off; how it is used when a later row switches it on is as asked
-/// for.
+/// train. What it does not have, proposals and depth, is off; how it is used when a later row switches it on is as
+/// asked for.
 AutoTrainOptions McmcTraining(const AutoTrainOptions& asked) {
   AutoTrainOptions train = Published3dgs();
   train.iterations = asked.iterations, train.horizon = asked.horizon, train.max_gaussians = asked.max_gaussians;

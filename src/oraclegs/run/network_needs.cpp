@@ -30,8 +30,8 @@ void RequireVggt(const RunOptions& options, const VggtWeights& weights, PixelSiz
   Camera camera;
   camera.width = size.width, camera.height = size.height;
   const int64_t beside = asked.oracle_pass == OraclePass::kAll ? 0 : 1;
-  ChooseChunk([&](int64_t images) { return network->PassBytes({camera}, images + beside); },
-              {asked.oracle_chunk, 1, 1}, static_cast<uint64_t>(free), Silent());
+  ChooseChunk([&](int64_t images) { return network->PassBytes({camera}, images + beside); }, {asked.oracle_chunk, 1, 1},
+              static_cast<uint64_t>(free), Silent());
 }
 
 }  // namespace

@@ -35,7 +35,8 @@ void RequirePass(const ValidateOptions& options) {
 }
 
 std::string OnCpu(const char* network, const char* time, const std::string& why) {
-  return fmt::format("{} would compute on the CPU, for {}: {}, or accept the CPU with --device cpu", network, time, why);
+  return fmt::format("{} would compute on the CPU, for {}: {}, or accept the CPU with --device cpu", network, time,
+                     why);
 }
 
 /// Keeps large networks off a CPU that nobody asked for. Throws UsageError where one is asked for itself.

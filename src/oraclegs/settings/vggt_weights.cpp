@@ -42,8 +42,12 @@ VggtWeights Describe(const fs::path& path, const std::string& name) {
   const SafetensorsFile file = SafetensorsFile::Open(path);
   const auto model = file.metadata().find("model");
   const bool commercial = name == kCommercial || (model != file.metadata().end() && model->second == kCommercialModel);
-  return {path, commercial ? kCommercial : kResearch, Fingerprint().AddTensors(file).Hex(), commercial,
-          BytesOf(file), CountAttentionLayers(file)};
+  return {path,
+          commercial ? kCommercial : kResearch,
+          Fingerprint().AddTensors(file).Hex(),
+          commercial,
+          BytesOf(file),
+          CountAttentionLayers(file)};
 }
 
 }  // namespace

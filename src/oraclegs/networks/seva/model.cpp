@@ -92,7 +92,6 @@ AutoencoderMemory MemoryOf(const SevaFiles& files, const VaeConfig& config, cons
   return memory;
 }
 
-
 class LoadedGenerator : public ViewGenerator {
  public:
   explicit LoadedGenerator(const ViewGeneratorRequest& request)
