@@ -60,7 +60,7 @@ TEST(AblationRows, BeginWithMcmcAlone) {
   EXPECT_EQ(first.start.seed, 4u);
 }
 
-/// What a row trains with, but for the sizes, which all rows share, and for what proposals and depth do to it.
+/// The training of a row without the sizes, which all rows share, and without what proposals and depth do to it.
 nlohmann::json McmcOptions(const AutoTrainOptions& train) {
   nlohmann::json json = OptionsToJson(train);
   for (const char* left_out :
@@ -88,7 +88,7 @@ TEST(AblationRows, TrainAs3dgsMcmcsAuthorsUntilTheRegularizers) {
       EXPECT_EQ(options.train.horizon, asked.train.horizon);
       EXPECT_EQ(options.train.max_gaussians, asked.train.max_gaussians);
       EXPECT_EQ(options.train.synthetic_floor, asked.train.synthetic_floor);
-      if (row < 7) EXPECT_EQ(options.start.init_opacity, 0.5);
+      EXPECT_EQ(options.start.init_opacity, row < 7 ? 0.5 : asked.start.init_opacity);
       EXPECT_EQ(options.train.depth_loss, asked.train.depth_loss);
     }
   }
@@ -196,6 +196,9 @@ TEST(RequireAblatable, RefusesOptionsThatContradictTheRows) {
     other.start.init = init;
     EXPECT_THAT(MessageOf<UsageError>([&] { RequireAblatable(other); }), HasSubstr("--init " + Word(init)));
   }
+  RunOptions generated;
+  generated.propose.proposers = std::string("seva");
+  EXPECT_THAT(MessageOf<InputError>([&] { RequireAblatable(generated); }), HasSubstr("oraclegs models fetch seva"));
 }
 
 TEST(PublishedSteps, HasEachNumberOfTheTableAsPrinted) {

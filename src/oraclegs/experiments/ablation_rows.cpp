@@ -6,6 +6,7 @@
 
 #include "oraclegs/baselines/methods.h"
 #include "oraclegs/proposers/proposer_rows.h"
+#include "oraclegs/settings/missing_networks.h"
 #include "oraclegs/settings/plan.h"
 
 namespace oraclegs {
@@ -38,8 +39,8 @@ Auto<std::string> PaperProposers(const ProposeOptions& asked) {
 }
 
 /// The training of 3DGS-MCMC as its authors have it, over as many iterations and with as many Gaussians as all rows
-/// train. What it does not have, proposals and depth, is off; how it is used when a later row switches it on is as
-/// asked for.
+/// train. Proposals and depth, which it does not have, are off; how they are used when a later row switches them on is
+/// as asked for.
 AutoTrainOptions McmcTraining(const AutoTrainOptions& asked) {
   AutoTrainOptions train = Published3dgs();
   train.iterations = asked.iterations, train.horizon = asked.horizon, train.max_gaussians = asked.max_gaussians;
@@ -144,6 +145,8 @@ void RequireAblatable(const RunOptions& asked) {
     throw UsageError("--init {} is what the first rows start from by themselves; leave it out, or give another",
                      Word(init.value()));
   }
+  // The first rows ask no network, and would train before the first that does is refused.
+  MakePlan(WithNetworksAtHand(asked, true, Silent()), true);
 }
 
 std::vector<PublishedStep> PublishedSteps(int views) {
