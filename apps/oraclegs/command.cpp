@@ -148,8 +148,7 @@ void Command::Run(const std::string& command_line) {
   command_line_ = command_line;
   ApplySettings();
   if (!config_.empty()) ApplyConfigFile(config_, app_->get_name(), &table_);
-  std::map<std::string, std::string> overruled;
-  if (!preset_.empty()) overruled = ApplyPreset(preset_, app_->get_name(), &table_);
+  if (!preset_.empty()) TakePreset(preset_);
   ApplyDefaults();
   for (const auto& check : checks_) check();
   if (device_ && ComputesHere()) ChooseDevice(device_->device, ProbeDevices());
@@ -159,11 +158,15 @@ void Command::Run(const std::string& command_line) {
   for (const CLI::Option* option : app_->get_options()) {
     if (option->count() > 0) Log().debug("option {} = {}", option->get_name(), fmt::join(option->results(), " "));
   }
-  const auto views = overruled.find("views");
-  if (views != overruled.end() && views->second != std::to_string(split_->views)) {
-    terminal.AsListener()(Warning{ForOtherViews(preset_, views->second, split_->views)});
-  }
+  if (!preset_warning_.empty()) terminal.AsListener()(Warning{preset_warning_});
   Body(terminal.AsListener());
+}
+
+void Command::TakePreset(const std::string& name) {
+  const std::map<std::string, std::string> overruled = ApplyPreset(name, app_->get_name(), &table_);
+  const auto views = overruled.find("views");
+  if (views == overruled.end() || !split_ || views->second == std::to_string(split_->views)) return;
+  preset_warning_ = ForOtherViews(name, views->second, split_->views);
 }
 
 CommandInfo Command::Info() const {

@@ -77,6 +77,8 @@ class Command {
   /// Binds a positional argument of one path or more.
   void BindInputs(const char* name, std::vector<std::filesystem::path>* paths, const char* help);
 
+  /// Sets the options of --preset that nothing before has set.
+  virtual void TakePreset(const std::string& name);
   /// May set options, from the command's input, that no file and no flag has set.
   virtual void ApplyDefaults() {}
   /// True when this process computes, so that a device that this machine lacks is refused before any work.
@@ -111,6 +113,7 @@ class Command {
   const DeviceOptions* device_ = nullptr;    ///< device options of the derived class; null = no choice
   std::filesystem::path config_;
   std::string preset_;
+  std::string preset_warning_;  ///< of options that win over the preset; "" = none
   std::string command_line_;
   std::vector<std::function<void()>> checks_;
 };
