@@ -25,10 +25,24 @@ TEST(PoseAdam, TakesItsFirstStepAgainstTheSignOfTheGradient) {
   PoseAdam adam;
   const CameraGradient gradient{{3, -4, 1e-3}, {-7, 0, 2}, 0, 0, 0, 0};
   const Eigen::Isometry3d start = Nudged(Eigen::Isometry3d::Identity(), {0.3, 0.2, 0.1}, {1, 2, 3});
-  const Eigen::Isometry3d after = adam.Step(start, gradient, 1e-3, 0.02);
-  const Eigen::Isometry3d wanted = Nudged(start, {1e-3, 0, -1e-3}, {-0.02, 0.02, -0.02});
-  EXPECT_NEAR((after.matrix() - wanted.matrix()).norm(), 0, 1e-9);
+  const Eigen::Isometry3d after = adam.Step(start, gradient, 0, 1e-3);  // turns about its own center
+  EXPECT_NEAR((after.matrix() - Nudged(start, {4e-3, 0, -4e-3}, {0, 0, 0}).matrix()).norm(), 0, 1e-9);
   EXPECT_EQ(adam.step, 1);
+}
+
+TEST(PoseAdam, TurnsAboutThePointInView) {
+  const Eigen::Isometry3d start = Nudged(Eigen::Isometry3d::Identity(), {0.3, 0.2, 0.1}, {1, 2, 3});
+  // Where no shift changes the loss, the point in view stays where it is.
+  const CameraGradient gradient{{0, 0, 0}, {1, 0, 0}, 0, 0, 0, 0};
+  PoseAdam adam;
+  const Eigen::Isometry3d after = adam.Step(start, gradient, 5, 1e-3);
+  const Eigen::Vector3d in_view = start.inverse() * Eigen::Vector3d(0, 0, 5);
+  EXPECT_NEAR((after * in_view - Eigen::Vector3d(0, 0, 5)).norm(), 0, 1e-12);
+  EXPECT_NEAR(Eigen::AngleAxisd((after * start.inverse()).linear()).angle(), 4e-3, 1e-9);
+  // Where a turn about the center helps only because it shifts the picture, the camera shifts.
+  PoseAdam other;
+  const Eigen::Isometry3d shifted = other.Step(start, {{0, 1, 0}, {-5, 0, 0}, 0, 0, 0, 0}, 5, 1e-3);
+  EXPECT_NEAR((shifted.matrix() - Nudged(start, {0, 0, 0}, {0, -5e-3, 0}).matrix()).norm(), 0, 1e-9);
 }
 
 TEST(AlignCamera, FindsATurnedCamera) {

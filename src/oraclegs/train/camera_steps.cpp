@@ -11,6 +11,7 @@ namespace oraclegs {
 namespace {
 
 constexpr double kLastRate = 0.01;  // of the first
+constexpr double kTurnRate = 4;     // of the rate: about the point in view, a turn moves the picture by parallax alone
 
 /// -rate m / sqrt(v), both without the bias of their start, of all axes. Moments change.
 Eigen::Vector3d AdamStepOf(const Eigen::Vector3d& gradient, double rate, int64_t step, Eigen::Vector3d* m,
@@ -47,11 +48,15 @@ class CameraWatch {
 }  // namespace
 
 Eigen::Isometry3d PoseAdam::Step(const Eigen::Isometry3d& cam_from_world, const CameraGradient& gradient,
-                                 double turn_rate, double shift_rate) {
+                                 double distance, double rate) {
   ++step;
-  const Eigen::Vector3d turn = AdamStepOf(gradient.rotation, turn_rate, step, &turn_m, &turn_v);
-  const Eigen::Vector3d shift = AdamStepOf(gradient.translation, shift_rate, step, &shift_m, &shift_v);
-  return Nudged(cam_from_world, turn, shift);
+  // x -> Exp(turn)(x - pivot) + pivot + shift
+  const Eigen::Vector3d pivot(0, 0, distance);
+  const Eigen::Vector3d g_turn = gradient.rotation - pivot.cross(gradient.translation);
+  const Eigen::Vector3d turn = AdamStepOf(g_turn, kTurnRate * rate, step, &turn_m, &turn_v);
+  const Eigen::Vector3d shift = AdamStepOf(gradient.translation, rate * distance, step, &shift_m, &shift_v);
+  const Eigen::Isometry3d turned = Nudged(Eigen::Isometry3d::Identity(), turn, Eigen::Vector3d::Zero());
+  return Nudged(cam_from_world, turn, pivot - turned * pivot + shift);
 }
 
 AlignedCamera AlignCamera(Rasterizer* rasterizer, const Gaussians& gaussians, const TrainView& view,
@@ -78,8 +83,8 @@ AlignedCamera AlignCamera(Rasterizer* rasterizer, const Gaussians& gaussians, co
     }
     if (i == options.steps || distance == 0) break;
     rasterizer->Backward(gaussians, {grad.To(device), {}, {}}, &unused);
-    const double rate = options.turn_rate * std::pow(kLastRate, static_cast<double>(i) / options.steps);
-    camera.cam_from_world = adam.Step(camera.cam_from_world, rasterizer->camera_gradient(), rate, rate * distance);
+    const double rate = options.rate * std::pow(kLastRate, static_cast<double>(i) / options.steps);
+    camera.cam_from_world = adam.Step(camera.cam_from_world, rasterizer->camera_gradient(), distance, rate);
   }
   return best;
 }

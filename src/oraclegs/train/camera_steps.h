@@ -6,23 +6,24 @@
 
 namespace oraclegs {
 
-/// Adam of one camera's pose. Gradients and moments are those of the camera's frame of the moment (CameraGradient): it
-/// turns far too little for its axes to matter.
+/// Adam of one camera's pose. A turn about the camera's own center and a shift move the picture almost alike, and Adam,
+/// which weighs each number by itself, crawls along the valley between them. So the camera turns about the point that
+/// it looks at, which is parallax and little else. Moments stay those of the camera's axes: it turns too little to
+/// matter.
 struct PoseAdam {
   Eigen::Vector3d turn_m = Eigen::Vector3d::Zero(), turn_v = Eigen::Vector3d::Zero();
   Eigen::Vector3d shift_m = Eigen::Vector3d::Zero(), shift_v = Eigen::Vector3d::Zero();
   int64_t step = 0;  ///< steps taken
 
-  /// Returns the pose after one more step of `turn_rate` radians and `shift_rate` world units.
-  Eigen::Isometry3d Step(const Eigen::Isometry3d& cam_from_world, const CameraGradient& gradient, double turn_rate,
-                         double shift_rate);
+  /// Returns the pose after one more step. distance: of what the camera looks at, world units. rate: the picture moves
+  /// by about so many radians per axis.
+  Eigen::Isometry3d Step(const Eigen::Isometry3d& cam_from_world, const CameraGradient& gradient, double distance,
+                         double rate);
 };
 
 struct CameraAlignOptions {
   int steps = 100;
-  /// Radians of the first step; the last has a hundredth. A shift's step moves the picture as far, at the distance of
-  /// what is seen.
-  double turn_rate = 1e-3;
+  double rate = 1e-3;  ///< of the first step (PoseAdam), radians; the last has a hundredth
 };
 
 struct AlignedCamera {
