@@ -1,5 +1,4 @@
 #include "oraclegs/experiments/ablation_suite.h"
-#include "oraclegs/experiments/layer_sweep.h"
 #include "oraclegs/experiments/tampering.h"
 #include "workspace_command.h"
 
@@ -11,8 +10,7 @@ class AblateCommand : public WorkspaceCommand {
   explicit AblateCommand(CLI::App* app)
       : WorkspaceCommand(app, "ablate", "Ablation study: add one component at a time and tabulate the gain",
                          "oraclegs ablate scene/ -o out/ --views 12 --seeds 3 --also other/\n"
-                         "  oraclegs ablate scene/ -o out/ --views 12 --suite tampering\n"
-                         "  oraclegs ablate scene/ -o out/ --views 12 --suite layers") {
+                         "  oraclegs ablate scene/ -o out/ --views 12 --suite tampering") {
     Bind("Ablation", &options_);
   }
 
@@ -22,19 +20,13 @@ class AblateCommand : public WorkspaceCommand {
     one.scene = OneFolder(request);
     one.inputs.clear();
     const AblationRequest ablation{one, options_, CommandLine()};
-    if (options_.suite == AblationSuite::kLayers) {
-      return Show(LayerSweepText(RunLayerSweep(ablation, listener)), request.out / "layers.md");
-    }
-    if (options_.suite == AblationSuite::kTampering) {
-      if (!options_.also.empty()) throw UsageError("--also goes with --suite parts; leave it out");
-      return Show(TamperingText(RunTampering(ablation, listener)), request.out / "tampering.md");
-    }
-    Show(AblationText(options_.also.empty() ? RunAblation(ablation, listener) : RunSuite(ablation, listener)),
-         request.out / "ablation.md");
-  }
-
-  static void Show(const std::string& text, const std::filesystem::path& table) {
-    Print(text + fmt::format("table      {}", table.string()));
+    const bool tampering = options_.suite == AblationSuite::kTampering;
+    if (tampering && !options_.also.empty()) throw UsageError("--also goes with --suite parts; leave it out");
+    const auto parts = [&] {
+      return options_.also.empty() ? RunAblation(ablation, listener) : RunSuite(ablation, listener);
+    };
+    Print((tampering ? TamperingText(RunTampering(ablation, listener)) : AblationText(parts())) +
+          fmt::format("table      {}", (request.out / (tampering ? "tampering.md" : "ablation.md")).string()));
   }
 
   AblateOptions options_;

@@ -14,6 +14,7 @@ from harness import PROGRAM, ROOT, EndToEnd, main, png, read_png
 
 sys.path.insert(0, str(ROOT / "scripts"))
 import paper_rehearsal  # noqa: E402
+import stand_ins  # noqa: E402
 
 STAGES = {"sfm", "depth", "propose", "validate", "start", "train", "evaluate"}
 NO_GPU = "#!/bin/sh\nexit 9\n"
@@ -62,10 +63,10 @@ class PaperRehearsal(EndToEnd):
     def test_random_weights_have_the_published_names_and_shapes(self):
         models = self.dir / "models"
         for network in ("lpips-vgg", "depth-anything-v2-small"):
-            paper_rehearsal.write_random(network, models / network / "model.safetensors", paper_rehearsal.Numbers(1))
+            stand_ins.write_random(network, models / network / "model.safetensors", stand_ins.Numbers(1))
             self.run_program("models", "check", network, env=os.environ | {"ORACLEGS_MODELS": str(models)})
-        self.assertEqual(len(paper_rehearsal.tensors_of("seva")), 1146)
-        block = paper_rehearsal.Numbers(1).block(-3)
+        self.assertEqual(len(stand_ins.tensors_of("seva")), 1146)
+        block = stand_ins.Numbers(1).block(-3)
         values = struct.unpack("<1000f", block[:4000])
         self.assertTrue(all(1 / 8 <= abs(value) < 1 / 4 for value in values))
         self.assertGreater(sum(value < 0 for value in values), 400)
@@ -74,13 +75,13 @@ class PaperRehearsal(EndToEnd):
         traced = self.scene / "images/000.png"
         width, height, _, pixels = read_png(traced)
         large, small = self.dir / "large.png", self.dir / "small.png"
-        paper_rehearsal.write_enlarged(traced, large)
+        stand_ins.write_enlarged(traced, large)
         self.assertEqual(read_png(large)[:2], (4 * width, 4 * height))
-        paper_rehearsal.write_reduced(large, small)
+        stand_ins.write_reduced(large, small)
         self.assertEqual(read_png(small), (width, height, 3, pixels))
         one = self.dir / "one.png"
         one.write_bytes(png(8, 4, (1, 2, 3)))
-        self.assertEqual(paper_rehearsal.read_png(one), [bytes((1, 2, 3)) * 8] * 4)
+        self.assertEqual(stand_ins.read_png(one), [bytes((1, 2, 3)) * 8] * 4)
 
     def test_memory_of_a_gpu_counts_from_the_beginning(self):
         with mock.patch.dict(os.environ, {"PATH": self.path_with(GPU)}):

@@ -10,12 +10,11 @@
 namespace oraclegs {
 
 /// Choice of the comparison.
-enum class AblationSuite { kParts, kTampering, kLayers };
+enum class AblationSuite { kParts, kTampering };
 template <>
 struct EnumWords<AblationSuite> {
   static constexpr EnumWord<AblationSuite> kWords[] = {{AblationSuite::kParts, "parts"},
-                                                       {AblationSuite::kTampering, "tampering"},
-                                                       {AblationSuite::kLayers, "layers"}};
+                                                       {AblationSuite::kTampering, "tampering"}};
 };
 
 struct AblateOptions {
@@ -30,8 +29,7 @@ struct AblateOptions {
     visit("suite", self.suite,
           "What is compared: parts = one part of the program more in each row; tampering = how far the oracle protects "
           "the result from proposals that lie in places: trainings without proposals and on proposals of which a share "
-          "of the pixels is tampered with, all pixels trusted alike, as the oracle says, and as an ideal oracle would; "
-          "layers = how well each layer of VGGT's attention by itself tells where proposals are wrong; nothing is trained");
+          "of the pixels is tampered with, all pixels trusted alike, as the oracle says, and as an ideal oracle would");
     visit("seeds", self.seeds, "Trainings of each row, of seeds --seed, --seed + 1, ...", Range{1, 1000});
     visit(
         "also", self.also,

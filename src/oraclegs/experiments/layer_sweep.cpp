@@ -1,5 +1,6 @@
 #include "oraclegs/experiments/layer_sweep.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/core/files.h"
@@ -20,20 +21,19 @@ constexpr char kRun[] = "run", kJson[] = "layers.json", kMarkdown[] = "layers.md
 const std::vector<std::string> kColumns = {"layer", "AUROC, error above the median", "AUROC, error above 0.1",
                                            "AUSE of random", "Spearman"};
 
-void RequireSweepable(const AblationRequest& request) {
-  const AblateOptions& asked = request.options;
-  if (!asked.rows.empty() || !asked.shares.empty() || !asked.also.empty()) {
-    throw UsageError("--rows, --shares and --also go with other suites than --suite layers; leave them out");
+void RequireSweepable(const RunOptions& options) {
+  if (!options.validate.vggt_layers.empty()) {
+    throw UsageError("--each-layer chooses --set vggt-layers itself; leave it out");
   }
-  const ValidateOptions& validate = request.run.options.validate;
-  if (!validate.vggt_layers.empty() || !validate.oracle.is_auto()) {
-    throw UsageError("--suite layers chooses --oracle and --set vggt-layers itself; leave them out");
+  if (options.validate.oracle.ValueOr(OracleKind::kVggt) != OracleKind::kVggt) {
+    throw UsageError("--each-layer measures --oracle vggt; leave out --oracle {}",
+                     Word(options.validate.oracle.value()));
   }
 }
 
-RunRequest RequestOf(const AblationRequest& request, std::optional<int64_t> layer) {
-  RunRequest run = request.run;
-  run.out = request.run.out / kRun;
+RunRequest RequestOf(const RunRequest& request, std::optional<int64_t> layer) {
+  RunRequest run = request;
+  run.out = request.out / kRun;
   run.options.propose.proposal_size = ProposalSize::kView;  // which the images have
   run.options.trajectory.trajectory = Trajectory::kDataset;
   run.options.validate.oracle = OracleKind::kVggt;
@@ -76,13 +76,13 @@ std::string ProtocolOf(const LayerSweep& sweep) {
 
 }  // namespace
 
-LayerSweep RunLayerSweep(const AblationRequest& request, const Listener& listener) {
-  RequireSweepable(request);
-  const fs::path& out = request.run.out;
-  RequireOutsideScene(out, request.run.scene);
+LayerSweep RunLayerSweep(const RunRequest& request, const std::string& command, const Listener& listener) {
+  RequireSweepable(request.options);
+  const fs::path& out = request.out;
+  RequireOutsideScene(out, request.scene);
   RequireSeriesFolder(out, {"sweep of layers", kJson, {kRun, kJson, kMarkdown, kSvg}});
   LayerSweep sweep;
-  sweep.scene = request.run.scene.string(), sweep.command = request.command, sweep.version = request.run.version;
+  sweep.scene = request.scene.string(), sweep.command = command, sweep.version = request.version;
   SeriesListener events(listener);
   int64_t layers = 0;
   for (int64_t i = 0; i <= layers; ++i) {

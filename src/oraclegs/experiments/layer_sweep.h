@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "oraclegs/experiments/ablation.h"
+#include "oraclegs/run/start.h"
 
 namespace oraclegs {
 
@@ -30,9 +30,9 @@ struct LayerSweep {
 /// Proposes views at the poses of images that neither train nor test, asks --oracle vggt for their confidence with
 /// each layer alone, uncalibrated, and compares it with their errors. Nothing is trained. All layers share one
 /// workspace, out/run. Writes out/layers.json, .md and .svg after each layer. Throws UsageError for options that
-/// contradict the suite; InputError when the scene cannot be read, has no image at the pose of a proposal, or `out`
-/// holds something else; and as the stages do.
-LayerSweep RunLayerSweep(const AblationRequest& request, const Listener& listener);
+/// contradict it; InputError when the scene cannot be read, has no image at the pose of a proposal, or `out`
+/// holds something else; and as the stages do. `command` is as typed, for the report.
+LayerSweep RunLayerSweep(const RunRequest& request, const std::string& command, const Listener& listener);
 
 nlohmann::json LayerSweepToJson(const LayerSweep& sweep);
 /// Table with a line for each layer.

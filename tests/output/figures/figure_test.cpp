@@ -5,7 +5,9 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/image/codecs.h"
 #include "oraclegs/image/read_image.h"
+#include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/run/reconstruct.h"
+#include "oraclegs/stages/metrics.h"
 #include "run/proposing.h"
 #include "support/errors.h"
 
@@ -129,7 +131,7 @@ TEST_F(FigureTest, ShowsAScenesMedianViewByEachMethodOfABenchmark) {
   options.labels = "A";
   EXPECT_THAT(MessageOf<UsageError>([&] { SuiteSheet(bench, options); }), HasSubstr("--labels names 1 methods"));
 
-  report["runs"] = {failed};
+  report["runs"] = nlohmann::json::array({failed});
   WriteFileAtomically(bench / "bench.json", report.dump());
   EXPECT_THAT(MessageOf<InputError>([&] { SuiteSheet(bench, {}); }), HasSubstr("no run has scores yet"));
   WriteFileAtomically(bench / "bench.json", "{}");

@@ -7,7 +7,7 @@
 
 #include "oraclegs/core/options.h"
 #include "oraclegs/output/figures/sheet.h"
-#include "oraclegs/scene/frame.h"
+#include "oraclegs/stages/stage.h"
 
 namespace oraclegs {
 
