@@ -242,7 +242,8 @@ def machine(gpu, models):
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="paper_rehearsal.sh", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(prog="paper_rehearsal.sh", description=__doc__, epilog="What stands behind -- goes to reconstruct.",
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)  # fmt: skip
     parser.add_argument("out", type=Path, metavar="OUT", help="folder for weights, scenes, runs and the tables")
     parser.add_argument("--preset", action="append", choices=PRESETS, help="this one alone; may be given again")
     parser.add_argument("--models", type=Path, help="folder with the real weights, as $ORACLEGS_MODELS")
@@ -251,8 +252,10 @@ def main():
     parser.add_argument("--iterations", type=int, help="iterations of the training; time is extrapolated to the preset's")
     parser.add_argument("--small", action="store_true", help="tiny networks and scenes, on the CPU")
     parser.add_argument("--bin", type=Path, default=ROOT / "build/release/bin", help="folder of the built program")
-    parser.add_argument("more", nargs="*", metavar="-- OPTIONS", help="further options of reconstruct")
-    options = parser.parse_args()
+    words = sys.argv[1:]
+    end = words.index("--") if "--" in words else len(words)
+    options = parser.parse_args(words[:end])
+    options.more = words[end + 1 :]
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # the table of what was run is written
     options.program = os.environ.get("ORACLEGS_BIN", str(options.bin / "oraclegs"))
     if options.small:

@@ -7,11 +7,12 @@ namespace {
 class FigureCommand : public SourceCommand {
  public:
   explicit FigureCommand(CLI::App* app)
-      : SourceCommand(app, "figure",
-                      "Figures of a paper, -o NAME.png and NAME.pdf: confidence of proposals, runs side by side, or the "
-                      "methods and scenes of a benchmark",
-                      "oraclegs figure out/ -o confidence --rows 3\n  oraclegs figure out1/ out2/ -o crops --labels "
-                      "\"3DGS-MCMC,ours\" --crop 40,60,128,96\n  oraclegs figure bench/ -o grid") {
+      : SourceCommand(
+            app, "figure",
+            "Figures of a paper, -o NAME.png and NAME.pdf: confidence of proposals, runs side by side, or the "
+            "methods and scenes of a benchmark",
+            "oraclegs figure out/ -o confidence --rows 3\n  oraclegs figure out1/ out2/ -o crops --labels "
+            "\"3DGS-MCMC,ours\" --crop 40,60,128,96\n  oraclegs figure bench/ -o grid") {
     this->app()
         ->add_option("others", others_, "Workspaces of more runs to compare")
         ->type_name("PATH")
@@ -20,6 +21,10 @@ class FigureCommand : public SourceCommand {
   }
 
  private:
+  void ApplyDefaults() override {
+    if (!IsSuiteFolder(input_)) SourceCommand::ApplyDefaults();
+  }
+
   void Body(const Listener& listener) override {
     RequireOut(out_.out);
     const bool of_suite = IsSuiteFolder(input_);

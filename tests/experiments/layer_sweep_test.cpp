@@ -25,7 +25,8 @@ LayerSweep Example() {
 
 TEST(LayerSweep, IsATableWithALineForEachLayer) {
   const LayerSweep sweep = Example();
-  EXPECT_THAT(LayerSweepText(sweep), HasSubstr("VGGT-1B, 12 training views, 97 proposals with an image at their pose\n"));
+  EXPECT_THAT(LayerSweepText(sweep),
+              HasSubstr("VGGT-1B, 12 training views, 97 proposals with an image at their pose\n"));
   EXPECT_THAT(LayerSweepText(sweep), HasSubstr("\nas combined                          0.700  "));
   const std::string document = LayerSweepMarkdown(sweep);
   EXPECT_THAT(document, HasSubstr("| as combined | 0.700 | 0.800 | 0.500 | 0.250 |\n| 0 | 0.600 "));
@@ -38,10 +39,10 @@ TEST(LayerSweep, IsATableWithALineForEachLayer) {
 
 TEST(LayerSweep, IsAPlotWithALineForTheCombination) {
   const std::string plot = LayerSweepPlot(Example());
-  for (const char* name : {">median<", ">above 0.1<", ">as combined<"}) EXPECT_THAT(plot, HasSubstr(name));
+  for (const char* name : {">above median<", ">above 0.1<", ">as combined<"}) EXPECT_THAT(plot, HasSubstr(name));
   LayerSweep one = Example();
   one.layers.resize(1);
-  EXPECT_THAT(LayerSweepPlot(one), Not(HasSubstr(">median<"))) << "no layer is measured yet";
+  EXPECT_THAT(LayerSweepPlot(one), Not(HasSubstr(">above median<"))) << "no layer is measured yet";
 }
 
 using LayerSweepRunTest = ProposingTest;

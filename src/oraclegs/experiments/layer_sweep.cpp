@@ -25,9 +25,9 @@ void RequireSweepable(const RunOptions& options) {
   if (!options.validate.vggt_layers.empty()) {
     throw UsageError("--each-layer chooses --set vggt-layers itself; leave it out");
   }
-  if (options.validate.oracle.ValueOr(OracleKind::kVggt) != OracleKind::kVggt) {
-    throw UsageError("--each-layer measures --oracle vggt; leave out --oracle {}",
-                     Word(options.validate.oracle.value()));
+  const Auto<OracleKind>& oracle = options.validate.oracle;
+  if (!oracle.is_auto() && oracle.value() != OracleKind::kVggt) {
+    throw UsageError("--each-layer measures --oracle vggt; leave out --oracle {}", Word(oracle.value()));
   }
 }
 
@@ -53,8 +53,7 @@ LayerQuality QualityOf(std::optional<int64_t> layer, const json& oracle) {
 }
 
 void Write(const fs::path& out, const LayerSweep& sweep) {
-  WriteFileAtomically(out / kJson,
-                      LayerSweepToJson(sweep).dump(2, ' ', false, json::error_handler_t::replace) + "\n");
+  WriteFileAtomically(out / kJson, LayerSweepToJson(sweep).dump(2, ' ', false, json::error_handler_t::replace) + "\n");
   WriteFileAtomically(out / kMarkdown, LayerSweepMarkdown(sweep));
   WriteFileAtomically(out / kSvg, LayerSweepPlot(sweep));
 }
@@ -111,9 +110,9 @@ json LayerSweepToJson(const LayerSweep& sweep) {
                       {"ause_ratio", number(quality.ause_ratio)},
                       {"spearman", quality.spearman}});
   }
-  return {{"program", "oraclegs"},   {"version", sweep.version},
-          {"command", sweep.command}, {"scene", sweep.scene},
-          {"network", sweep.network}, {"views", {{"train", sweep.train_views}, {"proposals", sweep.views}}},
+  return {{"program", "oraclegs"},      {"version", sweep.version},
+          {"command", sweep.command},   {"scene", sweep.scene},
+          {"network", sweep.network},   {"views", {{"train", sweep.train_views}, {"proposals", sweep.views}}},
           {"layers", std::move(layers)}};
 }
 
@@ -135,13 +134,13 @@ std::string LayerSweepMarkdown(const LayerSweep& sweep) {
          "- AUSE of random: area under the sparsification error curve by that of a random order; 0 is the ideal "
          "order.\n"
          "- Spearman: rank correlation of attention and −error.\n"
-         "- as combined: the layers and weights that `--oracle vggt` uses by itself.\n";
+         "- as combined: the layers and weights that `--oracle vggt` uses by itself; in the plot their first AUROC.\n";
 }
 
 std::string LayerSweepPlot(const LayerSweep& sweep) {
   constexpr double kPercent = 100;
   LineChart chart{.x_title = "layer of VGGT's global attention", .y_title = "AUROC, %"};
-  ChartLine median{"median", ChartColor(0), {}}, large{"above 0.1", ChartColor(1), {}};
+  ChartLine median{"above median", ChartColor(0), {}}, large{"above 0.1", ChartColor(1), {}};
   ChartLine combined{"as combined", ChartColor(2), {}};
   const auto last = static_cast<double>(sweep.layers.size()) - 2;
   chart.x_high = std::max(1.0, last);

@@ -132,8 +132,8 @@ void CalibratedOracle::LoadSecond(const OracleSetup& setup, const std::vector<Lo
   const auto bytes = [&](int64_t images) { return network->PassBytes(cameras, all ? images : images + 1); };
   options.chunk = ChooseChunk(bytes, request, setup.free_bytes, listener);
   const auto chunk = static_cast<int64_t>(options.chunk);
-  listener(Note{fmt::format("VGGT looks at {} at once, which needs about {:.3g} GB", Counted(all ? chunk : chunk + 1, "image"),
-                            Gigabytes(bytes(chunk)))});
+  listener(Note{fmt::format("VGGT looks at {} at once, which needs about {:.3g} GB",
+                            Counted(all ? chunk : chunk + 1, "image"), Gigabytes(bytes(chunk)))});
   together_ = all ? std::max<size_t>(setup.targets, 1) : options.chunk;
   progress_ = std::make_shared<Progress>();
   progress_->listener = listener;

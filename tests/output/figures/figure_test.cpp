@@ -92,15 +92,15 @@ TEST_F(FigureTest, ShowsAScenesMedianViewByEachMethodOfABenchmark) {
   const fs::path bench = *temp / "bench";
   for (const char* name : {"bench/runs/a", "bench/runs/b"}) Made(name);
   const auto score = [](const char* method, int seed, const char* workspace) {
-    return nlohmann::json{{"scene", "two"},  {"views", 10}, {"method", method}, {"seed", seed},
-                          {"psnr", 20},      {"workspace", workspace}};
+    return nlohmann::json{{"scene", "two"}, {"views", 10}, {"method", method},
+                          {"seed", seed},   {"psnr", 20},  {"workspace", workspace}};
   };
   nlohmann::json failed = score("mcmc", 0, "runs/none");
   failed.erase("psnr"), failed["scene"] = "one", failed["failure"] = "has no images";
-  nlohmann::json report = {{"scenes", {"two", "one"}},
-                           {"methods", {{{"name", "ours"}, {"label", "Ours"}}, {{"name", "mcmc"}, {"label", "MCMC"}}}},
-                           {"runs", {score("ours", 1, "runs/gone"), score("ours", 0, "runs/a"),
-                                     score("mcmc", 0, "runs/b"), failed}}};
+  nlohmann::json report = {
+      {"scenes", {"two", "one"}},
+      {"methods", {{{"name", "ours"}, {"label", "Ours"}}, {{"name", "mcmc"}, {"label", "MCMC"}}}},
+      {"runs", {score("ours", 1, "runs/gone"), score("ours", 0, "runs/a"), score("mcmc", 0, "runs/b"), failed}}};
   WriteFileAtomically(bench / "bench.json", report.dump());
   EXPECT_TRUE(IsSuiteFolder(bench));
   EXPECT_FALSE(IsSuiteFolder(bench / "runs/a"));

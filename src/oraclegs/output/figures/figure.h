@@ -30,9 +30,10 @@ struct FigureOptions {
         "confidence = proposals, their confidence (plasma), and the photo of their pose where there is one; comparison "
         "= renders of the test views of one or more runs beside the photos; auto = confidence for one workspace, "
         "comparison for several");
-    visit("show", self.show,
-          "Names of the proposals or test views to show, separated by commas; without, some evenly, and of a benchmark's "
-          "scene the view with the median PSNR");
+    visit(
+        "show", self.show,
+        "Names of the proposals or test views to show, separated by commas; without, some evenly, and of a benchmark's "
+        "scene the view with the median PSNR");
     visit("rows", self.rows, "How many to show where --show names none", Range{1, 100});
     visit("crop", self.crop, "Of renders: the part to show, X,Y,WIDTH,HEIGHT in pixels");
     visit("labels", self.labels,
@@ -54,9 +55,9 @@ Sheet ComparisonSheet(const std::vector<std::filesystem::path>& workspaces, cons
 bool IsSuiteFolder(const std::filesystem::path& folder);
 
 /// Renders of a benchmark: a row for each scene and number of views, the photo and each method's render of one test
-/// view, with its PSNR. The view is the first that --show names, else the one in whose PSNR the first method with scores
-/// is at its median. Of several seeds the first with scores is shown; the place of a run without scores has its reason.
-/// Throws InputError for a folder without scores; UsageError as ComparisonSheet.
+/// view, with its PSNR. The view is the first that --show names, else the one in whose PSNR the first method with
+/// scores is at its median. A method with several seeds is shown by the first with scores; the place of a run without
+/// scores has its reason. Throws InputError for a folder without scores; UsageError as ComparisonSheet.
 Sheet SuiteSheet(const std::filesystem::path& folder, const FigureOptions& options);
 
 }  // namespace oraclegs
