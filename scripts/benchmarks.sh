@@ -110,7 +110,7 @@ confidence() {
 }
 
 tampering() {
-  "$bin/oraclegs" ablate "$data/fox" -o "$out/tampering" --quiet --suite tampering --views 12 --downscale 4 \
+  "$bin/oraclegs" ablate "$data/fox" -o "$out/tampering" --quiet --compare tampering --views 12 --downscale 4 \
     --max-gaussians 30000 >&2
   cat "$out/tampering/tampering.md"
 }

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "command.h"
+#include "config_file.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/experiments/bench/bench.h"
 #include "oraclegs/experiments/bench/bench_report.h"
@@ -43,7 +44,7 @@ class BenchCommand : public Command {
   void Body(const Listener& listener) override {
     BenchRequest request;
     request.options = options_, request.first_seed = run_.start.seed;
-    request.asked = Asked();
+    request.asked = Asked(), request.preset = preset_, request.read_preset = PresetArguments;
     request.out = output_.out, request.overwrite = output_.overwrite;
     request.command = CommandLine(), request.version = fmt::format("{} ({})", ORACLEGS_VERSION, CommitText());
     request.program = std::filesystem::read_symlink("/proc/self/exe");
@@ -63,15 +64,13 @@ class BenchCommand : public Command {
           fmt::format("table      {}", (request.out / "bench.md").string()));
   }
 
+  void TakePreset(const std::string& name) override { preset_ = PresetArguments(name); }
+
   /// The options of runs that the command line or a file has set, whose seeds are the benchmark's own.
   RunArguments Asked() {
-    RunArguments asked;
     const nlohmann::json own = OptionsToJson(options_);  // --views is a list there
-    const nlohmann::json options = RunOptionsToJson(run_);
-    for (const auto& [name, value] : options.items()) {
-      if (!table().IsGiven(name) || name == "seed" || own.contains(name)) continue;
-      asked.emplace_back(name, value.is_string() ? value.get<std::string>() : value.dump());
-    }
+    RunArguments asked = GivenArguments(table(), run_);
+    std::erase_if(asked, [&](const auto& option) { return option.first == "seed" || own.contains(option.first); });
     return asked;
   }
 
@@ -86,6 +85,7 @@ class BenchCommand : public Command {
   SlurmOptions slurm_;
   BenchOutput output_;
   RunOptions run_;
+  RunArguments preset_;
 };
 
 }  // namespace

@@ -147,7 +147,7 @@ void Command::Run(const std::string& command_line) {
   command_line_ = command_line;
   ApplySettings();
   if (!config_.empty()) ApplyConfigFile(config_, app_->get_name(), &table_);
-  if (!preset_.empty()) ApplyPreset(preset_, app_->get_name(), &table_);
+  if (!preset_.empty()) TakePreset(preset_);
   ApplyDefaults();
   for (const auto& check : checks_) check();
   if (device_ && ComputesHere()) ChooseDevice(device_->device, ProbeDevices());
@@ -159,6 +159,8 @@ void Command::Run(const std::string& command_line) {
   }
   Body(terminal.AsListener());
 }
+
+void Command::TakePreset(const std::string& name) { ApplyPreset(name, app_->get_name(), &table_); }
 
 CommandInfo Command::Info() const {
   CommandInfo info{.name = app_->get_name(), .help = app_->get_description(), .group = "", .example = example_};

@@ -77,6 +77,8 @@ class Command {
   /// Binds a positional argument of one path or more.
   void BindInputs(const char* name, std::vector<std::filesystem::path>* paths, const char* help);
 
+  /// Sets the options of --preset that nothing before has set.
+  virtual void TakePreset(const std::string& name);
   /// May set options, from the command's input, that no file and no flag has set.
   virtual void ApplyDefaults() {}
   /// True when this process computes, so that a device that this machine lacks is refused before any work.

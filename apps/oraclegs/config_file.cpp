@@ -9,6 +9,7 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/core/unique_json.h"
+#include "oraclegs/settings/named_options.h"
 #include "presets.h"
 
 namespace oraclegs {
@@ -108,6 +109,22 @@ void ApplyConfigFile(const fs::path& file, const std::string& command, OptionTab
 void ApplyPreset(const std::string& name, const std::string& command, OptionTable* options) {
   const Preset preset = ReadPreset(name);
   ApplyToml(preset.text, {preset.source, command, options});
+}
+
+RunArguments GivenArguments(const OptionTable& table, const RunOptions& options) {
+  RunArguments given;
+  const json values = RunOptionsToJson(options);
+  for (const auto& [name, value] : values.items()) {
+    if (table.IsGiven(name)) given.emplace_back(name, value.is_string() ? value.get<std::string>() : value.dump());
+  }
+  return given;
+}
+
+RunArguments PresetArguments(const std::string& name) {
+  RunOptions options;
+  OptionTable table = TableOf(&options);
+  ApplyPreset(name, "reconstruct", &table);
+  return GivenArguments(table, options);
 }
 
 void ApplySavedOptions(const json& saved, const fs::path& file, OptionTable* options) {

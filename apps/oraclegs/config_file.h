@@ -7,6 +7,7 @@
 #include <string>
 
 #include "oraclegs/core/option_table.h"
+#include "oraclegs/experiments/bench/run_arguments.h"
 
 namespace oraclegs {
 
@@ -18,6 +19,12 @@ void ApplyConfigFile(const std::filesystem::path& file, const std::string& comma
 
 /// Sets options from the preset of this name; the message for an unknown one lists the presets.
 void ApplyPreset(const std::string& name, const std::string& command, OptionTable* options);
+
+/// Options of a run, bound to `table`, that something has set.
+RunArguments GivenArguments(const OptionTable& table, const RunOptions& options);
+
+/// Options of a run that the preset of this name sets.
+RunArguments PresetArguments(const std::string& name);
 
 /// Sets options from a run's saved ones; names that the command does not know are ignored. Throws InputError naming the
 /// file when a value does not fit.

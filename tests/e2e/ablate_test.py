@@ -67,7 +67,7 @@ class Ablate(EndToEnd):
 
 class Tampering(EndToEnd):
     # Long enough that there is something to tamper with, and a dose that makes lies felt.
-    RUN = ["--suite", "tampering", "--views", 10, "--test-every", 4, "--set", "stereo-iterations=3", "--set", "stereo-passes=1",
+    RUN = ["--compare", "tampering", "--views", 10, "--test-every", 4, "--set", "stereo-iterations=3", "--set", "stereo-passes=1",
            "--iterations", 300, "--max-gaussians", 3000, "--set", "proxy-models=2", "--set", "proxy-share=0.6", "--set",
            "synthetic-floor=0.4"]  # fmt: skip
 
@@ -123,13 +123,13 @@ class Tampering(EndToEnd):
 
     def test_bad_input(self):
         out = self.dir / "refused"
-        suite = ["ablate", self.scene, "-o", out, "--suite"]
-        self.error_of(*suite, "magic", code=2, names=["--suite is 'magic'", "parts, tampering"])
-        self.error_of(*suite, "tampering", "--shares", "10,lots", code=2, names=["--shares names 'lots'"])
-        self.error_of(*suite, "tampering", "--shares", "120", code=2, names=["--shares names '120'", "0 .. 100"])
-        self.error_of(*suite, "tampering", "--rows", "mcmc", code=2, names=["--rows"])
-        self.error_of(*suite, "tampering", "--proposers", "warp", code=2, names=["--proposers"])
-        self.error_of(*suite, "parts", "--shares", "10", code=2, names=["--shares"])
+        compare = ["ablate", self.scene, "-o", out, "--compare"]
+        self.error_of(*compare, "magic", code=2, names=["--compare is 'magic'", "parts, tampering"])
+        self.error_of(*compare, "tampering", "--shares", "10,lots", code=2, names=["--shares names 'lots'"])
+        self.error_of(*compare, "tampering", "--shares", "120", code=2, names=["--shares names '120'", "0 .. 100"])
+        self.error_of(*compare, "tampering", "--rows", "mcmc", code=2, names=["--rows"])
+        self.error_of(*compare, "tampering", "--proposers", "warp", code=2, names=["--proposers"])
+        self.error_of(*compare, "parts", "--shares", "10", code=2, names=["--shares"])
         self.assertFalse(out.exists())
 
 

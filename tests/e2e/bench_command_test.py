@@ -1,9 +1,13 @@
 """The benchmark of suites from the outside: its tables, its files, what a second call does, what it refuses."""
 
 import json
+import os
+import shlex
 import unittest
 
-from harness import EndToEnd, files_below, main, read_png
+from harness import EndToEnd, files_below, main, png, read_png
+
+SCENES = ("garden", "room")
 
 RUN = ["--set", "stereo-iterations=3", "--set", "stereo-passes=1", "--iterations", 20, "--max-gaussians", 1000, "--set",
        "random-points=800", "--init", "random", "--test-every", 4]  # fmt: skip
@@ -68,6 +72,75 @@ class Bench(EndToEnd):
         self.error_of(*suite, "-o", out, "--views", "many", code=2, names=["'many'"])
         self.error_of(*suite, "-o", self.suite() / "one/out", code=3, names=["one"])
         self.assertFalse(out.exists())
+
+
+class PaperTables(EndToEnd):
+    """Tables 1 and 3 of the paper, as commands: what would be run on scenes that look like Mip-NeRF 360."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.data = cls.dir / "datasets"
+        names = [f"{i:03}.png" for i in range(30)]
+        for folder, side in (("images", 2800), ("images_4", 700)):
+            blank = cls.dir / f"{folder}.png"
+            blank.write_bytes(png(side, side, (0, 0, 0)))
+            for scene in SCENES:
+                (cls.data / scene / folder).mkdir(parents=True)
+                for name in names:
+                    os.link(blank, cls.data / scene / folder / name)
+        for scene in SCENES:
+            model = cls.data / scene / "sparse/0"
+            model.mkdir(parents=True)
+            (model / "cameras.txt").write_text("1 PINHOLE 2800 2800 2600 2600 1400 1400\n")
+            poses = [f"{i + 1} 1 0 0 0 {0.1 * i} 0 0 1 {name}\n\n" for i, name in enumerate(names)]
+            (model / "images.txt").write_text("".join(poses))
+            (model / "points3D.txt").write_text("")
+
+    def commands(self, *arguments):
+        done = self.run_program(*arguments, "--dry-run", "-o", self.dir / "never")
+        self.assertFalse((self.dir / "never").exists())
+        return [shlex.split(line) for line in done.stdout.splitlines() if " reconstruct " in line], done.stdout
+
+    def test_the_method_paper_follows_the_number_of_views(self):
+        bench = ["bench", "--suite", "mipnerf360", "--data", self.data, "--seeds", 1]
+        commands, text = self.commands(*bench, "--methods", "paper,ours,3dgs")
+        self.assertEqual(len(commands), 2 * 2 * 3)
+        self.assertIn("garden, 24 views: 24 training images", text)
+        self.assertIn("bicycle: is missing", text.replace(str(self.data) + "/", ""))
+        for words in commands:
+            views = words[words.index("--views") + 1]
+            is_paper = f"{views}-paper-seed0" in " ".join(words)
+            iterations = words[words.index("--iterations") + 1] if "--iterations" in words else ""
+            self.assertEqual("horizon=30000" in words and "oracle-pass=all" in words, is_paper)
+            if is_paper:
+                self.assertEqual(iterations, {"12": "15000", "24": "22000"}[views])
+            elif "-3dgs-" in " ".join(words):
+                self.assertNotIn(iterations, ("15000", "22000"))
+            self.assertIn("smaller-copies=required", words)
+        self.error_of(*bench, "--methods", "paper", "--views", "12,16", "-o", self.dir / "never", "--dry-run", code=2,
+                      names=["12 and 24 views, not of 16"])  # fmt: skip
+        self.error_of(*bench, "--preset", "paper-mipnerf360-12", "--views", "12,24", "-o", self.dir / "never", "--dry-run",
+                      code=2, names=["--views names 24", "--preset"])  # fmt: skip
+        commands, _ = self.commands(*bench, "--preset", "paper-mipnerf360-12", "--methods", "ours,3dgs")
+        self.assertEqual(["horizon=30000" in words for words in commands], [True, False] * 2)
+
+    def test_the_ablation_of_a_suite(self):
+        ablate = ["ablate", self.data, "--suite", "mipnerf360", "--rows", "mcmc,union,schedule", "--seeds", 1]
+        commands, text = self.commands(*ablate, "--preset", "paper")
+        self.assertEqual(len(commands), 2 * 2 * 3)
+        for words in commands:
+            views = words[words.index("--views") + 1]
+            self.assertIn(f"/{views}-views/", words[words.index("--out") + 1])
+            self.assertEqual(words[words.index("--iterations") + 1], {"12": "15000", "24": "22000"}[views])
+            self.assertEqual("--proposers none" in " ".join(words), "/01-mcmc/" in " ".join(words))
+        commands, _ = self.commands(*ablate, "--views", 24)
+        self.assertTrue(all("horizon=30000" not in words for words in commands))
+        self.assertEqual({words[words.index("--views") + 1] for words in commands}, {"24"})
+        out = ["-o", self.dir / "never"]
+        self.error_of(*ablate, *out, "--also", self.scene, code=2, names=["--also", "--suite"])
+        self.error_of(*ablate, *out, "--preset", "paper-mipnerf360-24", "--views", 12, code=2, names=["names 12", "24"])
+        self.error_of("ablate", self.scene, *out, "--suite", "blender", code=3, names=["no scene of Blender"])
 
 
 if __name__ == "__main__":

@@ -38,6 +38,19 @@ Ablation Example() {
   return a;
 }
 
+TEST(SideBySide, PutsNumbersOfViewsBesideEachOther) {
+  Ablation less = Example(), more = Example();
+  more.train_views = 24, more.scenes = {"all"}, more.published_views = 24;
+  more.rows.erase(more.rows.begin() + 1);
+  more.rows[0].runs = {Ran(0, 25)};
+  const std::string text = SideBySideText({less, more}), document = SideBySideMarkdown({less, more});
+  EXPECT_THAT(text, AllOf(HasSubstr("PSNR of 12"), HasSubstr("PSNR of 24"), HasSubstr("paper of 24"),
+                          Not(HasSubstr("paper of 12")), HasSubstr("misprint")));
+  EXPECT_THAT(document, HasSubstr("| 1 MCMC, random start | 21.00 ± 1.00 | 0.2100 ± 0.0100 | 0.2900 ± 0.0100 | 25.00 | "
+                                  "0.2500 | 0.2500 | 17.95 / 0.479 / 0.409 |"));
+  EXPECT_THAT(document, HasSubstr("| 2 + proposals | - | - | - | - | - | - | - |"));
+}
+
 TEST(StatisticOf, IsMeanAndSampleDeviation) {
   EXPECT_FALSE(StatisticOf(std::vector<double>{}));
   EXPECT_EQ(StatisticOf({7.0})->mean, 7);

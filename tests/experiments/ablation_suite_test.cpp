@@ -84,7 +84,7 @@ TEST_F(AblationSuiteTest, TrainsEachSceneInItsFolder) {
   AblationRequest request{Request("suite"), {1, "mcmc"}, "oraclegs ablate scene -o out"};
   request.run.options.train.iterations = 10;
   request.options.also = other.string();
-  const Ablation mean = RunSuite(request, Silent());
+  const Ablation mean = RunScenes(request, ScenesOf(request), Silent());
   const fs::path out = request.run.out;
   for (const char* scene : {"scene", "other"}) {
     EXPECT_TRUE(fs::exists(out / scene / "rows/01-mcmc/seed-0/metrics.json")) << scene;
@@ -95,11 +95,10 @@ TEST_F(AblationSuiteTest, TrainsEachSceneInItsFolder) {
   EXPECT_NEAR(saved.at("rows").at(0).at("psnr").at("mean").get<double>(),
               nlohmann::json::parse(ReadFile(out / "scene/ablation.json")).at("rows").at(0).at("psnr").at("mean"), 1e-9)
       << "the same scene twice";
-  RunSuite(request, Silent());  // finds all of it done
+  RunScenes(request, ScenesOf(request), Silent());  // finds all of it done
 
   request.options.also = (*temp / "deeper/scene").string();
-  EXPECT_THAT(MessageOf<UsageError>([&] { RunSuite(request, Silent()); }),
-              AllOf(HasSubstr("two scenes"), HasSubstr("'scene'")));
+  EXPECT_THAT(MessageOf<UsageError>([&] { ScenesOf(request); }), AllOf(HasSubstr("two scenes"), HasSubstr("'scene'")));
 }
 
 }  // namespace

@@ -70,6 +70,19 @@ TEST_F(AblationTest, TrainsEachRowInItsWorkspaceAndSharesStages) {
   EXPECT_EQ(ReadMetrics(first).at("train").at("iterations"), 11);
 }
 
+TEST_F(AblationTest, SeedsShareProposalsThatDoNotDependOnThem) {
+  AblationRequest request = Ask("seeds", "union", 2);
+  for (const bool is_seeded : {false, true}) {
+    request.run.out = *temp / (is_seeded ? "seeded" : "common");
+    request.run.options.trajectory.trajectory = is_seeded ? Trajectory::kCoverage : Trajectory::kOrbit;
+    RunAblation(request, Silent());
+    const fs::path rows = request.run.out / "rows/02-union";
+    const nlohmann::json first = ReadStageRecords(rows / "seed-0"), second = ReadStageRecords(rows / "seed-1");
+    EXPECT_EQ(first.at("propose") == second.at("propose"), !is_seeded) << "made once";
+    EXPECT_NE(first.at("train").at("key"), second.at("train").at("key"));
+  }
+}
+
 TEST_F(AblationTest, ContinuesWhenInterrupted) {
   const AblationRequest request = Ask("stopped", "mcmc,union");
   const Listener stop = [](const Event& event) {

@@ -18,7 +18,7 @@ using testing::HasSubstr;
 class TamperingTest : public ProposingTest {
  protected:
   static AblationRequest Ask(const std::string& out, const std::string& shares) {
-    AblationRequest request{Request(out), {1, "", AblationSuite::kTampering, shares}, "oraclegs ablate scene -o out"};
+    AblationRequest request{Request(out), {1, "", Comparison::kTampering, shares}, "oraclegs ablate scene -o out"};
     request.run.options.train.iterations = 60;
     request.run.options.propose.proposers = std::string("proxies"), request.run.options.propose.proxy_models = 2;
     return request;
@@ -96,7 +96,7 @@ TEST_F(TamperingTest, RefusesContradictingOptions) {
   EXPECT_THAT(refusal([](AblationRequest* r) { r->run.options.depth.depth_prior = DepthPrior::kNone; }),
               HasSubstr("--depth-prior none"));
   AblationRequest parts = Ask("refused", "30");
-  parts.options.suite = AblationSuite::kParts;
+  parts.options.compare = Comparison::kParts;
   EXPECT_THAT(MessageOf<UsageError>([&] { RunAblation(parts, Silent()); }), HasSubstr("--shares"));
 }
 

@@ -15,9 +15,11 @@
 #include "oraclegs/run/reconstruct.h"
 #include "oraclegs/run/stages.h"
 #include "oraclegs/scene/loaded_view.h"
+#include "oraclegs/settings/named_options.h"
 #include "oraclegs/settings/plan.h"
 #include "oraclegs/settings/run_size.h"
 #include "oraclegs/settings/weights.h"
+#include "oraclegs/stages/propose_stage.h"
 #include "oraclegs/workspace/stage_sharing.h"
 
 namespace oraclegs {
@@ -61,10 +63,28 @@ class Ablator {
     CheckOptions(request.options);
     CheckRunOptions(request.run.options);
     RequireAblatable(request.run.options);
-    if (!request.options.shares.empty()) throw UsageError("--shares goes with --suite tampering; leave it out");
+    if (!request.options.shares.empty()) throw UsageError("--shares goes with --compare tampering; leave it out");
     RequireOutsideScene(request.run.out, request.run.scene);
     RequireSeriesFolder(request.run.out, {"ablation", kJson, {kRows, kJson, kMarkdown}});
     PlanRows();
+  }
+
+  std::string Commands() const {
+    static const json defaults = RunOptionsToJson(RunOptions{});
+    std::string text;
+    for (const uint64_t seed : ablation_.seeds) {
+      for (size_t r = 0; r < rows_.size(); ++r) {
+        const RunRequest request = RequestOf(r, seed);
+        text += fmt::format("oraclegs reconstruct {} --out {}", ShellQuoted(request.scene.string()),
+                            ShellQuoted(request.out.string()));
+        const json asked = Changes(defaults, RunOptionsToJson(request.options));
+        for (const auto& [name, value] : asked.items()) {
+          for (const std::string& word : RunOptionWords(name, value)) (text += ' ') += ShellQuoted(word);
+        }
+        text += "\n";
+      }
+    }
+    return text;
   }
 
   Ablation Run() {
@@ -163,7 +183,7 @@ class Ablator {
     } else {
       TakeOverRegistration(workspace, Donors(r, seed, true));
     }
-    if (HasProposals(options)) TakeOverProposals(workspace, Donors(r, seed, false));
+    if (HasProposals(options)) TakeOverProposals(workspace, Donors(r, seed, !AreProposalsSeeded(options)));
   }
 
   oraclegs::Run Start(size_t r, uint64_t seed, const Listener& listener) {
@@ -273,6 +293,8 @@ class Ablator {
 Ablation RunAblation(const AblationRequest& request, const Listener& listener) {
   return Ablator(request, listener).Run();
 }
+
+std::string AblationCommands(const AblationRequest& request) { return Ablator(request, Silent()).Commands(); }
 
 double SecondsLeft(const std::vector<double>& known, const std::vector<size_t>& left) {
   double sum = 0, count = 0, seconds = 0;

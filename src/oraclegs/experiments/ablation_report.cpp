@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "oraclegs/core/text.h"
@@ -86,6 +87,33 @@ std::vector<std::string> PartialFailures(const Ablation& ablation) {
     }
   }
   return lines;
+}
+
+/// Rows of a table of several ablations side by side; the first has the heads. Rows of the paper stand beside ours.
+std::vector<std::vector<std::string>> SideBySide(const std::vector<Ablation>& ablations) {
+  std::vector<std::vector<std::string>> lines = {{"row"}};
+  for (const Ablation& a : ablations) {
+    for (const char* head : {"PSNR", "SSIM", "LPIPS"}) lines[0].push_back(fmt::format("{} of {}", head, a.train_views));
+    if (HasPublished(a)) lines[0].push_back(fmt::format("paper of {}", a.train_views));
+  }
+  for (const AblationResult& first : ablations.front().rows) {
+    lines.push_back({fmt::format("{} {}", first.number, first.label)});
+    for (const Ablation& a : ablations) {
+      const auto same = [&](const AblationResult& row) { return row.name == first.name; };
+      const auto row = std::find_if(a.rows.begin(), a.rows.end(), same);
+      const bool has_scores = row != a.rows.end() && HasScores(*row);
+      for (const auto& [value, decimals] : {std::pair<Value, int>{Psnr, 2}, {Ssim, 4}, {Lpips, 4}}) {
+        lines.back().push_back(has_scores ? Shown(StatisticOver(*row, value), decimals) : kNone);
+      }
+      if (HasPublished(a)) lines.back().push_back(PublishedCell(a, first));
+    }
+  }
+  return lines;
+}
+
+bool HasMisprint(const std::vector<Ablation>& ablations) {
+  return std::any_of(ablations.begin(), ablations.end(),
+                     [](const Ablation& a) { return HasPublished(a) && a.published_views == 24; });
 }
 
 std::string Protocol(const Ablation& a) {
@@ -214,6 +242,34 @@ std::string AblationText(const Ablation& ablation) {
   std::string text = Protocol(ablation) + "\n" + AlignColumns(lines, HasPublished(ablation) ? "lrrrrrrr" : "lrrrrrr");
   if (HasPublished(ablation) && ablation.published_views == 24) text += std::string(kMisprint) + "\n";
   for (const std::string& line : PartialFailures(ablation)) text += line + "\n";
+  return text;
+}
+
+std::string SideBySideText(const std::vector<Ablation>& ablations) {
+  const auto lines = SideBySide(ablations);
+  std::string text;
+  for (const Ablation& a : ablations) text += fmt::format("{} views: {}\n", a.train_views, Protocol(a));
+  text += AlignColumns(lines, "l" + std::string(lines[0].size() - 1, 'r'));
+  return text + (HasMisprint(ablations) ? std::string(kMisprint) + "\n" : "");
+}
+
+std::string SideBySideMarkdown(const std::vector<Ablation>& ablations) {
+  const Ablation& first = ablations.front();
+  std::string text =
+      fmt::format("# Ablation of {}\n\noraclegs {}.\n\n    {}\n\n", first.scene, first.version, first.command);
+  for (const Ablation& a : ablations) text += fmt::format("- {} views: {}\n", a.train_views, Protocol(a));
+  text += "\n";
+  const auto lines = SideBySide(ablations);
+  for (size_t l = 0; l < lines.size(); ++l) {
+    for (const std::string& cell : lines[l]) text += "| " + InCell(cell) + " ";
+    text += "|\n";
+    for (size_t c = 0; l == 0 && c < lines[0].size(); ++c) text += "| --- ";
+    if (l == 0) text += "|\n";
+  }
+  if (HasMisprint(ablations)) text += fmt::format("\n{}\n", kMisprint);
+  for (const Ablation& a : ablations) {
+    text += fmt::format("\nThe options of each row, and each scene: {}-views/ablation.md\n", a.train_views);
+  }
   return text;
 }
 

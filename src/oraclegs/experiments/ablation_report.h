@@ -64,6 +64,11 @@ nlohmann::json AblationToJson(const Ablation& ablation);
 /// Table with a line for each row and each failure.
 std::string AblationText(const Ablation& ablation);
 
+/// Scores of each row at each number of training views, which the ablations have as train_views, side by side: a table
+/// for a terminal, and a document. `ablations` must not be empty.
+std::string SideBySideText(const std::vector<Ablation>& ablations);
+std::string SideBySideMarkdown(const std::vector<Ablation>& ablations);
+
 /// Document with a heading, the table, the gain of each row, and the notes.
 std::string AblationMarkdown(const Ablation& ablation);
 

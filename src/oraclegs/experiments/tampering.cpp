@@ -43,20 +43,20 @@ struct Task {
 
 void RequireTamperable(const AblationRequest& request) {
   const RunOptions& asked = request.run.options;
-  if (!request.options.rows.empty()) throw UsageError("--rows goes with --suite parts; leave it out");
+  if (!request.options.rows.empty()) throw UsageError("--rows goes with --compare parts; leave it out");
   if (!asked.propose.ByProxiesAlone()) {
     throw UsageError(
-        "--suite tampering makes its own proposals; leave out --proposers, --proposal-folder and --generator");
+        "--compare tampering makes its own proposals; leave out --proposers, --proposal-folder and --generator");
   }
   if (asked.validate.oracle == OracleKind::kUniform || asked.train.confidence_power == 0) {
     throw UsageError(
-        "--oracle uniform and --set confidence-power=0 leave --suite tampering nothing to compare; leave them out");
+        "--oracle uniform and --set confidence-power=0 leave --compare tampering nothing to compare; leave them out");
   }
   if (!HasProposals(asked)) {
-    throw UsageError("--proposals 0 and --schedule none leave --suite tampering no proposals; leave them out");
+    throw UsageError("--proposals 0 and --schedule none leave --compare tampering no proposals; leave them out");
   }
   if (asked.depth.depth_prior == DepthPrior::kNone) {
-    throw UsageError("--depth-prior none leaves --suite tampering no depth to propose from; leave it out");
+    throw UsageError("--depth-prior none leaves --compare tampering no depth to propose from; leave it out");
   }
 }
 

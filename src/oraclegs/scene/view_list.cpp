@@ -20,26 +20,36 @@ constexpr uint64_t kMaxListBytes = 1 << 20;
 
 constexpr size_t kWays = 4;
 
-/// The ways to call a view, most exact first.
-std::array<std::string, kWays> NamesOf(const std::string& name) {
-  const std::filesystem::path path(name);
-  std::filesystem::path without_extension = path;
-  without_extension.replace_extension();
-  return {name, path.filename().string(), without_extension.string(), path.stem().string()};
+/// One of the ways to call a view, of which the first is the most exact.
+std::string CalledIn(size_t way, const std::string& name) {
+  if (way == 0) return name;
+  std::filesystem::path path(name);
+  if (way == 1) return path.filename().string();
+  return way == 2 ? path.replace_extension().string() : path.stem().string();
 }
 
-/// For each of the ways the views that are called so: lists and scenes may both be long.
-using ViewsByName = std::array<std::unordered_map<std::string, std::vector<int>>, kWays>;
+/// Views by what they are called: lists and scenes may both be long. Each way is indexed when it is first asked for,
+/// since most lists have whole names.
+class ViewsByName {
+ public:
+  explicit ViewsByName(const Scene& scene) : scene_(scene) {}
 
-ViewsByName IndexNames(const Scene& scene) {
-  ViewsByName views;
-  for (auto& by_name : views) by_name.reserve(scene.views.size());
-  for (const int i : AllViews(scene)) {
-    const auto names = NamesOf(scene.views[static_cast<size_t>(i)].name);
-    for (size_t way = 0; way < kWays; ++way) views[way][names[way]].push_back(i);
+  /// The views that are called so in one of the ways (CalledIn); null where there is none.
+  const std::vector<int>* Find(size_t way, const std::string& name) {
+    auto& by_name = ways_[way];
+    if (by_name.empty()) {
+      by_name.reserve(scene_.views.size());
+      for (const int i : AllViews(scene_))
+        by_name[CalledIn(way, scene_.views[static_cast<size_t>(i)].name)].push_back(i);
+    }
+    const auto found = by_name.find(name);
+    return found == by_name.end() ? nullptr : &found->second;
   }
-  return views;
-}
+
+ private:
+  const Scene& scene_;
+  std::array<std::unordered_map<std::string, std::vector<int>>, kWays> ways_;
+};
 
 /// The number of ":7"; nothing when the item is no position.
 std::optional<size_t> PositionOf(const std::string& item) {
@@ -51,22 +61,24 @@ std::optional<size_t> PositionOf(const std::string& item) {
   return position;
 }
 
-int FindView(const Scene& scene, const ViewsByName& views, const std::string& option, const std::string& wanted) {
+int FindView(const Scene& scene, ViewsByName* views, const std::string& option, const std::string& wanted) {
   if (const auto position = PositionOf(wanted)) {
     if (*position < scene.views.size()) return static_cast<int>(*position);
     throw InputError("{}: {} asks for view {}, but the {} views are :0 to :{}", scene.root.string(), option, wanted,
                      scene.views.size(), static_cast<int64_t>(scene.views.size()) - 1);
   }
-  for (const auto& by_name : views) {
-    const auto found = by_name.find(wanted);
-    if (found == by_name.end()) continue;
-    if (found->second.size() == 1) return found->second.front();
+  for (size_t way = 0; way < kWays; ++way) {
+    const std::vector<int>* called_so = views->Find(way, wanted);
+    if (!called_so) continue;
+    if (called_so->size() == 1) return called_so->front();
     throw InputError("{}: '{}' in {} could be any of {}; give its full name", scene.root.string(), wanted, option,
-                     SomeNames(NamesAt(scene, found->second)));
+                     SomeNames(NamesAt(scene, *called_so)));
   }
   const auto missing = std::find_if(scene.missing_images.begin(), scene.missing_images.end(), [&](const auto& name) {
-    const auto names = NamesOf(name);
-    return std::find(names.begin(), names.end(), wanted) != names.end();
+    for (size_t way = 0; way < kWays; ++way) {
+      if (CalledIn(way, name) == wanted) return true;
+    }
+    return false;
   });
   if (missing != scene.missing_images.end()) {
     throw InputError("{}: the view '{}' in {} has no image file", scene.root.string(), wanted, option);
@@ -88,9 +100,9 @@ std::vector<std::string> NamesInJson(const std::string& text, const std::string&
 }  // namespace
 
 std::vector<int> NamedViews(const Scene& scene, const std::string& option, const std::string& list) {
-  const ViewsByName views = IndexNames(scene);
+  ViewsByName views(scene);
   std::vector<int> named;
-  for (const std::string& item : SplitTrimmed(list, ',')) named.push_back(FindView(scene, views, option, item));
+  for (const std::string& item : SplitTrimmed(list, ',')) named.push_back(FindView(scene, &views, option, item));
   std::sort(named.begin(), named.end());
   named.erase(std::unique(named.begin(), named.end()), named.end());
   return named;

@@ -52,7 +52,7 @@ void AddProposeKey(Run* run, Fingerprint* key) {
   const RunOptions& options = run->options;
   key->Add(run->plan.proposes);  // a folder may be all there is
   key->Add(OptionsToJson(options.propose).dump()).Add(OptionsToJson(options.trajectory).dump());
-  key->Add(static_cast<double>(options.start.seed));  // of the poses
+  if (AreProposalsSeeded(options)) key->Add(static_cast<double>(options.start.seed));
   for (const ProposerRow& row : *run->proposer_rows) {
     if (row.own != nullptr && Asks(*run, row)) row.own(*run, key);
   }
@@ -196,6 +196,11 @@ std::string ProposedText(const nlohmann::json& record) {
 }
 
 }  // namespace
+
+bool AreProposalsSeeded(const RunOptions& options) {
+  const Auto<Trajectory>& trajectory = options.trajectory.trajectory;
+  return trajectory.is_auto() || trajectory.value() == Trajectory::kCoverage || options.propose.Uses(kProxiesWord);
+}
 
 std::vector<int> SpareViews(const Run& run) {
   std::vector<int> spare;

@@ -44,6 +44,44 @@ TEST_F(BenchPlanTest, MethodsWinOverTheUserWhoWinsOverWhatIsUsual) {
   EXPECT_EQ(ValueAfter(CommandOf(request, PlanBench(request), PlanBench(request).runs[1]), "--iterations"), "10000");
 }
 
+TEST_F(BenchPlanTest, PresetsChangeNoMethodOfOthersButItsImages) {
+  BenchRequest request = Request();
+  request.asked.clear();
+  request.preset = {{"iterations", "70"}, {"horizon", "90"}, {"downscale", "2"}, {"proposers", "warp"}};
+  const BenchPlan plan = PlanBench(request);
+  const auto ours = CommandOf(request, plan, plan.runs[0]), mcmc = CommandOf(request, plan, plan.runs[1]);
+  EXPECT_EQ(ValueAfter(ours, "--iterations"), "70");
+  EXPECT_EQ(ValueAfter(ours, "--proposers"), "warp");
+  EXPECT_THAT(ours, testing::Contains("horizon=90"));
+  EXPECT_EQ(ValueAfter(mcmc, "--iterations"), "10000");
+  EXPECT_THAT(mcmc, testing::Not(testing::Contains("horizon=90")));
+  EXPECT_EQ(ValueAfter(mcmc, "--downscale"), "2") << "the same images for all";
+  request.asked = {{"iterations", "50"}};
+  EXPECT_EQ(ValueAfter(CommandOf(request, PlanBench(request), PlanBench(request).runs[0]), "--iterations"), "50");
+  request.preset = {{"views", "4"}};
+  EXPECT_THAT(MessageOf<UsageError>([&] { PlanBench(request); }), HasSubstr("names 3"));
+}
+
+TEST_F(BenchPlanTest, ThePaperIsItsPresetOfTheSuiteAndTheNumberOfViews) {
+  BenchRequest request = Request();
+  request.options.methods = "paper,3dgs-mcmc", request.asked.clear();
+  std::set<std::string> read;
+  request.read_preset = [&](const std::string& name) {
+    read.insert(name);
+    return RunArguments{{"iterations", "70"}, {"horizon", "90"}, {"views", "9"}, {"downscale", "8"}};
+  };
+  const BenchPlan plan = PlanBench(request);
+  const auto paper = CommandOf(request, plan, plan.runs[0]), mcmc = CommandOf(request, plan, plan.runs[1]);
+  EXPECT_EQ(read, std::set<std::string>{"paper"}) << "scenes of no dataset";
+  EXPECT_EQ(ValueAfter(paper, "--iterations"), "70");
+  EXPECT_THAT(paper, testing::Contains("horizon=90"));
+  EXPECT_EQ(ValueAfter(paper, "--views"), "3") << "images are the suite's";
+  EXPECT_THAT(paper, testing::Not(testing::Contains("--downscale")));
+  EXPECT_THAT(mcmc, testing::Not(testing::Contains("horizon=90")));
+  request.asked = {{"iterations", "50"}};
+  EXPECT_EQ(ValueAfter(CommandOf(request, PlanBench(request), PlanBench(request).runs[0]), "--iterations"), "50");
+}
+
 TEST_F(BenchPlanTest, AnotherStartCanBeAskedFor) {
   BenchRequest request = Request();
   request.options.methods = "3dgs,3dgs-mcmc-random", request.asked = {{"init", "sfm"}};

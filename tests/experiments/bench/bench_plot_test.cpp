@@ -17,7 +17,7 @@ BenchReport TwoNumbersOfViews() {
   report.scenes = {"garden"}, report.views = {12, 24}, report.methods.resize(1);
   report.runs.resize(2);
   for (const double psnr : {24, 25}) {
-    report.runs.push_back(ExampleScore("garden", "ours", psnr > 24 ? 1 : 0, psnr));
+    report.runs.push_back(ExampleScore("garden", "paper", psnr > 24 ? 1 : 0, psnr));
     report.runs.back().views = 24;
   }
   return report;

@@ -51,7 +51,7 @@ TEST(BenchMarkdown, NamesFailuresBesideScores) {
   report.notes = {"A note."};
   EXPECT_THAT(
       BenchMarkdown(report),
-      AllOf(HasSubstr("- garden, 12 training views, ours, seed 1 failed: out of memory\n"), HasSubstr("- A note.\n")));
+      AllOf(HasSubstr("- garden, 12 training views, paper, seed 1 failed: out of memory\n"), HasSubstr("- A note.\n")));
   report.compares = false;
   EXPECT_THAT(BenchMarkdown(report), Not(HasSubstr("published")));
 }
@@ -96,7 +96,7 @@ TEST(BenchCsv, HasALineForEachRow) {
   EXPECT_THAT(text, HasSubstr("suite,views,scene,method,scored,of,psnr,psnr_deviation,ssim,"));
   EXPECT_THAT(
       text,
-      HasSubstr("\nmipnerf360,12,garden,ours,2,2,20.5,0.707106781,0.41,0.0141421356,,,205,7.07106781,410,14.1421356,"
+      HasSubstr("\nmipnerf360,12,garden,paper,2,2,20.5,0.707106781,0.41,0.0141421356,,,205,7.07106781,410,14.1421356,"
                 "2e+09,0,1000,0,,,,,,,,1.0 (abc),\n"));
   EXPECT_THAT(text, HasSubstr(",0.9 (old); test,\n")) << "of runs of an earlier call";
   EXPECT_THAT(text, HasSubstr(",1.0 (abc); test,\n")) << "a mean of both scenes";

@@ -24,6 +24,7 @@ TEST(Methods, AreValidAndHaveNamesOfTheirOwn) {
   for (const Method& method : Methods()) {
     EXPECT_TRUE(names.insert(method.name).second) << method.name;
     EXPECT_TRUE(labels.insert(method.label).second) << method.label;
+    if (!method.options) continue;  // of a preset, which presets_test.py reads
     for (const char* suite : {"folder", "llff", "dtu", "blender", "mipnerf360"}) {
       EXPECT_EQ(RunOptionsToJson(OptionsOfMethod(method, suite)), RunOptionsToJson(method.options(method, suite)))
           << method.name << " " << suite;
@@ -35,6 +36,14 @@ TEST(Methods, OursIsWhatReconstructDoes) {
   const MethodSettings ours = FindMethods("ours")[0].For("folder");
   EXPECT_TRUE(ours.options.empty() && ours.usual.empty());
   EXPECT_FALSE(HasProposals(OptionsOfMethod(FindMethods("ours-no-proposals")[0])));
+}
+
+TEST(Methods, APresetOfTheUserIsForOursAlone) {
+  std::vector<std::string> own;
+  for (const Method& method : Methods()) {
+    if (method.is_own()) own.push_back(method.name);
+  }
+  EXPECT_THAT(own, testing::ElementsAre("ours", "ours-no-proposals"));
 }
 
 TEST(Methods, McmcIsThePublishedTraining) {

@@ -37,13 +37,30 @@ TEST(Suites, HaveTheImagesOfTheirPresets) {
       const RunArguments protocol = suite.protocol(views);
       preset.replace(preset.find("{}"), 2, std::to_string(views));
       for (const char* name : {"views", "view-steps", "test-every", "train-views", "test-views", "downscale",
-                               "smaller-copies", "background"}) {
+                               "smaller-copies", "background", "resize"}) {
         const std::string* value = FindArgument(protocol, name);
         EXPECT_EQ(value ? *value : "", PresetValue(preset, name)) << preset << " " << name;
       }
       EXPECT_NO_THROW(OptionsOf(protocol));
     }
   }
+}
+
+TEST(PaperPreset, FollowsSuiteAndViews) {
+  EXPECT_EQ(PaperPreset(FindSuite("mipnerf360"), 24), "paper-mipnerf360-24");
+  EXPECT_EQ(PaperPreset(FindSuite("blender"), 8), "paper-blender-8");
+  EXPECT_EQ(PaperPreset(FindSuite("llff"), 3), "paper") << "no scenes of the paper";
+  EXPECT_THAT(MessageOf<UsageError>([] { PaperPreset(FindSuite("mipnerf360"), 16); }),
+              AllOf(HasSubstr("Mip-NeRF 360"), HasSubstr("12 and 24 views, not of 16")));
+}
+
+TEST(ViewsOf, AreThoseOfThePresetAlone) {
+  const RunArguments preset = {{"views", "12"}};
+  const Suite suite = FindSuite("mipnerf360");
+  EXPECT_THAT(ViewsOf(suite, "", preset), ElementsAre(12));
+  EXPECT_THAT(ViewsOf(suite, "12", preset), ElementsAre(12));
+  EXPECT_THAT(MessageOf<UsageError>([&] { ViewsOf(suite, "12,24", preset); }),
+              AllOf(HasSubstr("names 24"), HasSubstr("--preset are for 12")));
 }
 
 TEST(FindSuite, RefusesWhatIsNeitherNameNorFolder) {

@@ -15,6 +15,7 @@
 #include "oraclegs/experiments/bench/run_record.h"
 #include "oraclegs/experiments/series.h"
 #include "oraclegs/settings/plan.h"
+#include "oraclegs/stages/propose_stage.h"
 #include "oraclegs/workspace/stage_records.h"
 #include "oraclegs/workspace/stage_sharing.h"
 #include "oraclegs/workspace/workspace.h"
@@ -51,6 +52,10 @@ class Bench {
     }
     report_ = NewReport();
     known_seconds_.resize(plan.methods.size());
+    for (const BenchRun& run : plan.runs) {
+      const RunOptions options = OptionsOf(run.arguments);
+      needs_.push_back({NeedsDepth(options), HasProposals(options) && !AreProposalsSeeded(options)});
+    }
     if (request.overwrite) RemoveRuns(request, plan, listener);
     for (size_t r = 0; r < plan.runs.size(); ++r) FindState(r);
   }
@@ -62,8 +67,7 @@ class Bench {
       listener_(Note{fmt::format("{} of {} runs are done or cannot be run", plan_.runs.size() - pending.size(),
                                  plan_.runs.size())});
     }
-    Launch(Leaders(pending));
-    Launch(Pending());
+    for (std::vector<size_t> left = pending; !left.empty(); left = Pending()) Launch(Ready(left));
     for (const char* file : {kBenchJson, kBenchMarkdown, kBenchLatex, kBenchCsv, kViewsPlot, kTimePlot}) {
       listener_(FileWritten{request_.out / file});
     }
@@ -72,6 +76,11 @@ class Bench {
   }
 
  private:
+  struct Needs {
+    bool depth = false;             ///< a part of it needs the depth of the training views
+    bool common_proposals = false;  ///< has proposals that runs of other seeds have as well
+  };
+
   /// Makes the folder; refuses one that holds anything else.
   static fs::path Claim(const BenchRequest& request, const BenchPlan& plan) {
     for (const SceneCheck& check : plan.checks) RequireOutsideScene(request.out, check.scene.path);
@@ -167,34 +176,59 @@ class Bench {
 
   bool HasDonor(size_t r) const {
     const std::vector<fs::path> donors = Donors(r);
-    const bool needs_depth = NeedsDepthOf(r);
+    const bool needs_depth = needs_[r].depth;
     return std::any_of(donors.begin(), donors.end(), [&](const fs::path& donor) {
       const json records = ReadStageRecords(donor);
       return records.contains("depth") || (!needs_depth && records.contains("sfm"));
     });
   }
 
-  /// Runs that can start now. One of the runs that share geometry computes it, the first that needs depth or else the
-  /// first; the others wait for it.
-  std::vector<size_t> Leaders(const std::vector<size_t>& pending) const {
-    std::vector<size_t> leaders;
+  /// Runs of `pending` that can start now; all of them if none could. One of the runs that share geometry computes it,
+  /// the first that needs depth or else the first, and the others wait for it; so do runs for the proposals of the
+  /// first of those that share them.
+  std::vector<size_t> Ready(const std::vector<size_t>& pending) const {
+    std::vector<size_t> ready;
     for (const size_t r : pending) {
-      const auto leads = [&](size_t other) { return Shares(r, other); };
-      if (HasDonor(r)) {
-        leaders.push_back(r);
-        continue;
-      }
-      const auto leader = std::find_if(leaders.begin(), leaders.end(), leads);
-      if (leader == leaders.end()) {
-        leaders.push_back(r);
-      } else if (!NeedsDepthOf(*leader) && NeedsDepthOf(r)) {
-        *leader = r;
-      }
+      const auto shares = [&](size_t other) { return Shares(r, other); };
+      const auto makes_depth = [&](size_t other) { return Shares(r, other) && needs_[other].depth; };
+      const auto proposes = [&](size_t other) { return SharesProposals(r, other); };
+      auto leader = std::find_if(pending.begin(), pending.end(), makes_depth);
+      if (leader == pending.end()) leader = std::find_if(pending.begin(), pending.end(), shares);
+      const bool has_geometry = *leader == r || WasTried(shares) || HasDonor(r);
+      const auto proposer = std::find_if(pending.begin(), pending.end(), proposes);
+      const bool has_proposals =
+          proposer == pending.end() || *proposer == r || WasTried(proposes) || HasDonorOfProposals(r);
+      if (has_geometry && has_proposals) ready.push_back(r);
     }
-    return leaders;
+    return ready.empty() ? pending : ready;
   }
 
-  bool NeedsDepthOf(size_t r) const { return NeedsDepth(OptionsOf(plan_.runs[r].arguments)); }
+  template <class Group>
+  bool WasTried(const Group& is_in) const {
+    return std::any_of(tried_.begin(), tried_.end(), is_in);
+  }
+
+  /// True for runs of one scene, number of views and method that differ in their seed, on which proposals do not
+  /// depend; also for a run and itself.
+  bool SharesProposals(size_t a, size_t b) const {
+    const BenchRun &one = plan_.runs[a], &other = plan_.runs[b];
+    if (one.check != other.check || one.method != other.method) return false;
+    return needs_[a].common_proposals;
+  }
+
+  std::vector<fs::path> DonorsOfProposals(size_t r) const {
+    std::vector<fs::path> donors;
+    for (size_t other = 0; other < plan_.runs.size(); ++other) {
+      if (other != r && SharesProposals(r, other) && IsWorkspace(Workspace(other))) donors.push_back(Workspace(other));
+    }
+    return donors;
+  }
+
+  bool HasDonorOfProposals(size_t r) const {
+    const std::vector<fs::path> donors = DonorsOfProposals(r);
+    return std::any_of(donors.begin(), donors.end(),
+                       [](const fs::path& donor) { return ReadStageRecords(donor).contains("propose"); });
+  }
 
   void Launch(const std::vector<size_t>& runs) {
     std::vector<Job> jobs;
@@ -211,19 +245,20 @@ class Bench {
         jobs, [&](size_t job, const JobResult& result) { Take(run_of_job[job], result); }, listener_);
   }
 
-  /// Records the run and copies geometry that another run has. False on failure.
+  /// Records the run and copies geometry and proposals that another run has. False on failure.
   bool Prepare(size_t r) {
     const BenchRun& run = plan_.runs[r];
     WriteRunRecord(Workspace(r), {SceneOf(r), ResultArguments(run.arguments), request_.version, false, {}});
     try {
       // A task of an earlier call may still be running; the launcher finds it, and its workspace is its own.
       if (IsFolderLocked(Workspace(r)) || HasBegun(WorkspacePaths(Workspace(r)))) return true;
-      const std::vector<fs::path> donors = Donors(r);
-      if (donors.empty()) return true;
+      const std::vector<fs::path> donors = Donors(r), donors_of_proposals = DonorsOfProposals(r);
+      if (donors.empty() && donors_of_proposals.empty()) return true;
       RunOptions options = OptionsOf(run.arguments);
       options.split = WithListsRead(options.split);
       auto workspace = oraclegs::Workspace::Claim(Workspace(r), SceneOf(r), options, false);
       TakeOverGeometry(&workspace, donors);
+      TakeOverProposals(&workspace, donors_of_proposals);
       return true;
     } catch (const InputError& error) {
       Fail(r, error.what());
@@ -341,6 +376,7 @@ class Bench {
   const Listener& listener_;
   FolderLock lock_;
   BenchReport report_;
+  std::vector<Needs> needs_;           ///< of each run of the plan
   std::vector<double> known_seconds_;  ///< duration of the last run of each method; 0 = not known
   std::vector<size_t> tried_;          ///< runs tried in this call
 };

@@ -15,10 +15,23 @@ std::string RunName(const BenchPlan& plan, const BenchRun& run) {
                      check.views > 0 ? std::to_string(check.views) : "all", plan.methods[run.method].name, run.seed);
 }
 
-/// Options of a run. Later ones win: the suite's, the method's usual ones, the user's, those that make the method.
+MethodSettings SettingsOf(const BenchRequest& request, const BenchPlan& plan, const BenchRun& run) {
+  const Method& method = plan.methods[run.method];
+  if (method.options) return method.For(plan.suite.name);
+  MethodSettings settings;
+  for (const auto& argument : request.read_preset(PaperPreset(plan.suite, plan.checks[run.check].views))) {
+    if (IsOfProtocol(argument.first)) continue;
+    (argument.first == "iterations" ? settings.usual : settings.options).push_back(argument);
+  }
+  return settings;
+}
+
+/// Options of a run. Later ones win: the suite's, the method's usual ones, those of the user's preset where the method
+/// is this program's own, the user's, those that make the method.
 RunArguments ArgumentsOf(const BenchRequest& request, const BenchPlan& plan, const BenchRun& run) {
-  const MethodSettings method = plan.methods[run.method].For(plan.suite.name);
+  const MethodSettings method = SettingsOf(request, plan, run);
   RunArguments arguments = Overlaid(plan.suite.protocol(plan.checks[run.check].views), method.usual);
+  if (plan.methods[run.method].is_own()) arguments = Overlaid(std::move(arguments), request.preset);
   arguments = Overlaid(Overlaid(std::move(arguments), request.asked), method.options);
   return Overlaid(std::move(arguments), {{"seed", std::to_string(run.seed)}, {"report", "false"}});
 }
@@ -31,20 +44,24 @@ std::string QuotedWords(const std::vector<std::string>& words) {
 
 /// "paper-blender-8"; "" without such a preset.
 std::string PresetOf(const Suite& suite, int views) {
-  const size_t at = suite.preset.find("{}");
   const bool is_published = std::find(suite.views.begin(), suite.views.end(), views) != suite.views.end();
-  if (at == std::string::npos || !is_published) return "";
-  return suite.preset.substr(0, at) + std::to_string(views) + suite.preset.substr(at + 2);
+  return is_published ? fmt::format(fmt::runtime(suite.preset), views) : "";
 }
 
 }  // namespace
 
-BenchPlan PlanBench(const BenchRequest& request) {
+BenchPlan PlanBench(const BenchRequest& asked) {
+  BenchRequest request = asked;
   const BenchOptions& options = request.options;
   BenchPlan plan;
   plan.suite = FindSuite(options.suite);
   plan.methods = FindMethods(options.methods);
-  plan.views = ViewsOf(plan.suite, options.views);
+  plan.views = ViewsOf(plan.suite, options.views, request.preset);
+  const auto of_protocol = [](const auto& option) { return IsOfProtocol(option.first) && option.first != "views"; };
+  RunArguments common;
+  std::copy_if(request.preset.begin(), request.preset.end(), std::back_inserter(common), of_protocol);
+  request.asked = Overlaid(std::move(common), request.asked);
+  std::erase_if(request.preset, [](const auto& option) { return IsOfProtocol(option.first); });
   plan.keeps_protocol = !plan.suite.is_folder() && KeepsProtocol(plan.suite, plan.views, request.asked);
   RequireOneList(plan.suite, plan.views, request.asked);
   for (int s = 0; s < options.seeds; ++s) plan.seeds.push_back(request.first_seed + static_cast<uint64_t>(s));

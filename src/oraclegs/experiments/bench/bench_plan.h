@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -31,9 +32,9 @@ struct BenchOptions {
     visit("data", self.data, "Folder with the scenes of a named suite, or with the folder that holds them");
     visit(
         "methods", self.methods,
-        "What is compared, separated by commas: ours, ours-no-proposals (trained on the photos alone), and methods of "
-        "others (docs/baselines.md): 3dgs, 3dgs-mcmc, 3dgs-mcmc-random, dropgaussian, fsgs, cor-gs, dngaussian, "
-        "sparsegs, comapgs");
+        "What is compared, separated by commas: ours, ours-no-proposals (trained on the photos alone), paper (the "
+        "OracleGS paper's settings for the suite and its number of views), and methods of others (docs/baselines.md): "
+        "3dgs, 3dgs-mcmc, 3dgs-mcmc-random, dropgaussian, fsgs, cor-gs, dngaussian, sparsegs, comapgs");
     visit("views", self.views,
           "Numbers of training views, separated by commas; unless given, those that papers report: 12,24 for "
           "mipnerf360, 8 for blender, 3,6,9 for llff and dtu, all but every 8th for a folder");
@@ -48,6 +49,10 @@ struct BenchOptions {
 struct BenchRequest {
   BenchOptions options;
   RunArguments asked;  ///< options of all runs, as the user gave them; a method's own options win
+  /// Of the user's preset, over which `asked` wins: its images and their size for all runs, the rest for those of this
+  /// program's own methods.
+  RunArguments preset;
+  std::function<RunArguments(const std::string& name)> read_preset;  ///< throws UsageError where there is none
   uint64_t first_seed = 0;
   std::filesystem::path out;
   bool overwrite = false;
@@ -74,8 +79,9 @@ struct BenchPlan {
   bool keeps_protocol = false;     ///< true for a named suite whose protocol no option changes
 };
 
-/// Reads all scenes. Throws UsageError for an unknown suite, method or number of views, or a list of training images
-/// for several numbers of views; InputError, with the first problem, when no scene exists or none can be run.
+/// Reads all scenes. Throws UsageError for an unknown suite, method or number of views, a number of views that the
+/// preset or, where they are a method, the paper's settings do not have, or a list of training images for several
+/// numbers of views; InputError, with the first problem, when no scene exists or none can be run.
 BenchPlan PlanBench(const BenchRequest& request);
 
 std::filesystem::path WorkspaceOf(const BenchRequest& request, const BenchRun& run);

@@ -67,6 +67,8 @@ const std::vector<Method>& Methods() {
   static const std::vector<Method> methods = {
       {"ours", "OracleGS (this program)", "", Ours},
       {"ours-no-proposals", "OracleGS without proposals", "", OursWithoutProposals},
+      {"paper", "OracleGS (the paper's settings)", "Topaloglu 2026", nullptr,
+       "the weights of six networks and a large GPU: docs/models.md"},
       {"3dgs", "3DGS", "Kerbl 2023", Published},
       {"3dgs-mcmc", "3DGS-MCMC", "Kheradmand 2024", Published},
       {"3dgs-mcmc-random", "3DGS-MCMC, random start", "Kheradmand 2024", FromRandomPoints},

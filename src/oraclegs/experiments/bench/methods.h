@@ -18,11 +18,13 @@ struct Method {
   std::string name;      ///< for --methods and folders; that of its row in baselines/methods.h, where it is published
   std::string label;     ///< for tables
   std::string citation;  ///< a key of docs/references.md, or "" for this program's own
-  /// The options of its runs; others have their defaults.
+  /// The options of its runs; others have their defaults. Null where they are those of a preset (PaperPreset).
   RunOptions (*options)(const Method& method, const std::string& suite);
   std::string needs = "";  ///< requirements of the method, for people; "" = none
 
-  /// Options that differ from the defaults, for the suite of this name.
+  /// True for this program's own: a preset that the user names changes these alone.
+  bool is_own() const { return citation.empty(); }
+  /// Options that differ from the defaults, for the suite of this name. Not for a method of a preset.
   MethodSettings For(const std::string& suite) const;
 };
 

@@ -13,8 +13,9 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Options that decide which pixels train and test.
-constexpr const char* kProtocolOptions[] = {"eval",     "test-every", "view-steps",     "train-views", "test-views",
-                                            "max-size", "downscale",  "smaller-copies", "background",  "images"};
+constexpr const char* kProtocolOptions[] = {"eval",       "test-every", "view-steps", "train-views",
+                                            "test-views", "max-size",   "downscale",  "smaller-copies",
+                                            "resize",     "background", "images"};
 
 // The 8 training views and the 25 of 200 test views of [Jain 2021].
 constexpr const char* kBlenderTrain =
@@ -39,11 +40,19 @@ std::string PositionList(const Positions& positions, size_t count) {
 }
 
 RunArguments MipNerf360(int views) {
-  return {{"views", std::to_string(views)}, {"test-every", "8"}, {"downscale", "4"}, {"smaller-copies", "required"}};
+  return {{"views", std::to_string(views)},
+          {"test-every", "8"},
+          {"downscale", "4"},
+          {"smaller-copies", "required"},
+          {"resize", "pillow"}};
 }
 
 RunArguments Blender(int) {
-  return {{"train-views", kBlenderTrain}, {"test-views", BlenderTest()}, {"background", "white"}, {"downscale", "2"}};
+  return {{"train-views", kBlenderTrain},
+          {"test-views", BlenderTest()},
+          {"background", "white"},
+          {"downscale", "2"},
+          {"resize", "pillow"}};
 }
 
 RunArguments Llff(int views) {
@@ -189,8 +198,9 @@ std::vector<SuiteScene> ScenesOf(const Suite& suite, const std::string& word, co
                    fmt::join(std::vector<std::string>(suite.folders.begin() + 1, suite.folders.end()), ", "));
 }
 
-std::vector<int> ViewsOf(const Suite& suite, const std::string& list) {
-  if (list.empty()) return suite.views;
+std::vector<int> ViewsOf(const Suite& suite, const std::string& list, const RunArguments& preset) {
+  const std::string* of_preset = FindArgument(preset, "views");
+  if (list.empty()) return of_preset ? ViewsOf(suite, *of_preset) : suite.views;
   std::set<int> views;
   for (const std::string& word : SplitTrimmed(list, ',')) {
     int number = 0;
@@ -201,10 +211,28 @@ std::vector<int> ViewsOf(const Suite& suite, const std::string& list) {
           "--views names {}; the protocol of {} has {}", number, suite.label,
           suite.is_folder() ? "0 (all) and numbers from 2 on" : fmt::format("{}", fmt::join(suite.views, ", ")));
     }
+    if (of_preset && word != *of_preset) {
+      throw UsageError("--views names {}, and the settings of --preset are for {}; name these alone, or another preset",
+                       number, *of_preset);
+    }
     views.insert(number);
   }
   if (views.empty()) throw UsageError("--views names none; {} has {}", suite.label, fmt::join(suite.views, ", "));
   return {views.begin(), views.end()};
+}
+
+std::string PaperPreset(const Suite& suite, int views) {
+  if (!suite.preset.starts_with("paper-")) return "paper";
+  if (std::find(suite.views.begin(), suite.views.end(), views) == suite.views.end()) {
+    throw UsageError("the paper's settings for {} are of {} views, not of {}; leave these views or the paper out",
+                     suite.label, fmt::join(suite.views, " and "), views);
+  }
+  return fmt::format(fmt::runtime(suite.preset), views);
+}
+
+bool IsOfProtocol(const std::string& option) {
+  return option == "views" ||
+         std::find(std::begin(kProtocolOptions), std::end(kProtocolOptions), option) != std::end(kProtocolOptions);
 }
 
 bool KeepsProtocol(const Suite& suite, const std::vector<int>& views, const RunArguments& asked) {

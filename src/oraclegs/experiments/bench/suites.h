@@ -23,7 +23,7 @@ struct Suite {
   std::vector<SceneFormat> formats = {};  ///< formats of the dataset; empty = any
   std::vector<int> views;                 ///< numbers of training views that papers report
   bool other_views = false;               ///< true when the protocol defines other numbers of views, too
-  std::string preset = {};                ///< preset with the same images; {} = the number of views; "" = none
+  std::string preset = {};  ///< preset with the same images, of each of `views`, which stands for {}; "" = none
   /// Options that the protocol fixes: images, their size, background. `views` 0 = all but the test views.
   RunArguments (*protocol)(int views) = nullptr;
   int min_side = 0, max_side = 0;  ///< longer side of the images as scored, pixels; 0 = any
@@ -44,9 +44,16 @@ Suite FindSuite(const std::string& word);
 /// a folder, InputError when there is no scene at all.
 std::vector<SuiteScene> ScenesOf(const Suite& suite, const std::string& word, const std::filesystem::path& data);
 
-/// Numbers that --views lists, ascending, each once; the suite's own for "". Throws UsageError for text that is no
-/// number, and for numbers that the protocol does not define.
-std::vector<int> ViewsOf(const Suite& suite, const std::string& list);
+/// Numbers that --views lists, ascending, each once; for "" that of the preset, else the suite's own. Throws UsageError
+/// for text that is no number, and for numbers that the protocol does not define or that are not the preset's.
+std::vector<int> ViewsOf(const Suite& suite, const std::string& list, const RunArguments& preset = {});
+
+/// Name of the preset with the OracleGS paper's settings: the suite's own for this number of views, else "paper", which
+/// is that of scenes of no dataset. Throws UsageError for a number of views that the suite's presets do not have.
+std::string PaperPreset(const Suite& suite, int views);
+
+/// True for an option that decides which pixels train and test: it is the same for all methods.
+bool IsOfProtocol(const std::string& option);
 
 /// True when the user's options keep the protocol for each of these numbers of views: the same images in the same size.
 bool KeepsProtocol(const Suite& suite, const std::vector<int>& views, const RunArguments& asked);
