@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::Not;
 
-LayerSweep Example() {
+LayerSweep TwoLayers() {
   LayerSweep sweep;
   sweep.scene = "garden", sweep.command = "oraclegs ablate garden", sweep.version = "1", sweep.network = "VGGT-1B";
   sweep.train_views = 12, sweep.views = 97;
@@ -24,7 +24,7 @@ LayerSweep Example() {
 }
 
 TEST(LayerSweep, IsATableWithALineForEachLayer) {
-  const LayerSweep sweep = Example();
+  const LayerSweep sweep = TwoLayers();
   EXPECT_THAT(LayerSweepText(sweep),
               HasSubstr("VGGT-1B, 12 training views, 97 proposals with an image at their pose\n"));
   EXPECT_THAT(LayerSweepText(sweep), HasSubstr("\nas combined                          0.700  "));
@@ -38,9 +38,9 @@ TEST(LayerSweep, IsATableWithALineForEachLayer) {
 }
 
 TEST(LayerSweep, IsAPlotWithALineForTheCombination) {
-  const std::string plot = LayerSweepPlot(Example());
+  const std::string plot = LayerSweepPlot(TwoLayers());
   for (const char* name : {">above median<", ">above 0.1<", ">as combined<"}) EXPECT_THAT(plot, HasSubstr(name));
-  LayerSweep one = Example();
+  LayerSweep one = TwoLayers();
   one.layers.resize(1);
   EXPECT_THAT(LayerSweepPlot(one), Not(HasSubstr(">above median<"))) << "no layer is measured yet";
 }

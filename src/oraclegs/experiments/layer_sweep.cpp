@@ -17,9 +17,10 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr char kRun[] = "run", kJson[] = "layers.json", kMarkdown[] = "layers.md", kSvg[] = "layers.svg";
-const std::vector<std::string> kColumns = {"layer", "AUROC, error above the median", "AUROC, error above 0.1",
-                                           "AUSE of random", "Spearman"};
+constexpr char kSweepRun[] = "run", kSweepJson[] = "layers.json", kSweepMarkdown[] = "layers.md",
+               kSweepSvg[] = "layers.svg";
+const std::vector<std::string> kLayerColumns = {"layer", "AUROC, error above the median", "AUROC, error above 0.1",
+                                                "AUSE of random", "Spearman"};
 
 void RequireSweepable(const RunOptions& options) {
   if (!options.validate.vggt_layers.empty()) {
@@ -33,7 +34,7 @@ void RequireSweepable(const RunOptions& options) {
 
 RunRequest RequestOf(const RunRequest& request, std::optional<int64_t> layer) {
   RunRequest run = request;
-  run.out = request.out / kRun;
+  run.out = request.out / kSweepRun;
   run.options.propose.proposal_size = ProposalSize::kView;  // which the images have
   run.options.trajectory.trajectory = Trajectory::kDataset;
   run.options.validate.oracle = OracleKind::kVggt;
@@ -42,20 +43,21 @@ RunRequest RequestOf(const RunRequest& request, std::optional<int64_t> layer) {
   return run;
 }
 
-std::optional<double> NumberIn(const json& quality, const char* name) {
+std::optional<double> MeasuredIn(const json& quality, const char* name) {
   const json& value = quality.at(name);
   return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
 }
 
 LayerQuality QualityOf(std::optional<int64_t> layer, const json& oracle) {
-  return {layer, NumberIn(oracle, "auroc_above_median"), NumberIn(oracle, "auroc_large_error"),
-          NumberIn(oracle, "ause_ratio"), oracle.at("spearman").get<double>()};
+  return {layer, MeasuredIn(oracle, "auroc_above_median"), MeasuredIn(oracle, "auroc_large_error"),
+          MeasuredIn(oracle, "ause_ratio"), oracle.at("spearman").get<double>()};
 }
 
 void Write(const fs::path& out, const LayerSweep& sweep) {
-  WriteFileAtomically(out / kJson, LayerSweepToJson(sweep).dump(2, ' ', false, json::error_handler_t::replace) + "\n");
-  WriteFileAtomically(out / kMarkdown, LayerSweepMarkdown(sweep));
-  WriteFileAtomically(out / kSvg, LayerSweepPlot(sweep));
+  WriteFileAtomically(out / kSweepJson,
+                      LayerSweepToJson(sweep).dump(2, ' ', false, json::error_handler_t::replace) + "\n");
+  WriteFileAtomically(out / kSweepMarkdown, LayerSweepMarkdown(sweep));
+  WriteFileAtomically(out / kSweepSvg, LayerSweepPlot(sweep));
 }
 
 std::string NameOf(const LayerQuality& quality) {
@@ -79,7 +81,7 @@ LayerSweep RunLayerSweep(const RunRequest& request, const std::string& command, 
   RequireSweepable(request.options);
   const fs::path& out = request.out;
   RequireOutsideScene(out, request.scene);
-  RequireSeriesFolder(out, {"sweep of layers", kJson, {kRun, kJson, kMarkdown, kSvg}});
+  RequireSeriesFolder(out, {"sweep of layers", kSweepJson, {kSweepRun, kSweepJson, kSweepMarkdown, kSweepSvg}});
   LayerSweep sweep;
   sweep.scene = request.scene.string(), sweep.command = command, sweep.version = request.version;
   SeriesListener events(listener);
@@ -96,7 +98,7 @@ LayerSweep RunLayerSweep(const RunRequest& request, const std::string& command, 
     sweep.layers.push_back(QualityOf(layer, report.at("oracle")));
     Write(out, sweep);
   }
-  for (const char* file : {kJson, kMarkdown, kSvg}) listener(FileWritten{out / file});
+  for (const char* file : {kSweepJson, kSweepMarkdown, kSweepSvg}) listener(FileWritten{out / file});
   return sweep;
 }
 
@@ -117,7 +119,7 @@ json LayerSweepToJson(const LayerSweep& sweep) {
 }
 
 std::string LayerSweepText(const LayerSweep& sweep) {
-  std::vector<std::vector<std::string>> rows = {kColumns};
+  std::vector<std::vector<std::string>> rows = {kLayerColumns};
   for (const LayerQuality& quality : sweep.layers) rows.push_back(Cells(quality));
   return ProtocolOf(sweep) + "\n" + AlignColumns(rows, "lrrrr");
 }
@@ -126,7 +128,7 @@ std::string LayerSweepMarkdown(const LayerSweep& sweep) {
   std::string text = fmt::format(
       "# Layers of the oracle on {}\n\n{}; oraclegs {}.\n\n    {}\n\n![AUROC of each layer](layers.svg)\n\n| {} |\n| "
       "--- | --- | --- | --- | --- |\n",
-      sweep.scene, ProtocolOf(sweep), sweep.version, sweep.command, fmt::join(kColumns, " | "));
+      sweep.scene, ProtocolOf(sweep), sweep.version, sweep.command, fmt::join(kLayerColumns, " | "));
   for (const LayerQuality& quality : sweep.layers) text += fmt::format("| {} |\n", fmt::join(Cells(quality), " | "));
   return text +
          "\n"
