@@ -9,8 +9,8 @@ class FigureCommand : public SourceCommand {
   explicit FigureCommand(CLI::App* app)
       : SourceCommand(
             app, "figure",
-            "Figures of a paper, -o NAME.png and NAME.pdf: confidence of proposals, runs side by side, or the "
-            "methods and scenes of a benchmark",
+            "Figures of a paper as PNG and PDF: confidence of proposals, runs side by side, or methods and scenes "
+            "of a benchmark",
             "oraclegs figure out/ -o confidence --rows 3\n  oraclegs figure out1/ out2/ -o crops --labels "
             "\"3DGS-MCMC,ours\" --crop 40,60,128,96\n  oraclegs figure bench/ -o grid") {
     this->app()
