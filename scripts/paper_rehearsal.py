@@ -165,14 +165,15 @@ class Run:
 
 
 def full_seconds(stage, done, whole):
-    """What the stage would take with `whole` steps in the place of `done`, from the time between its reports."""
+    """What the stage would take with `whole` steps in the place of `done`, from the time between its reports: those of a stage
+    that was stopped as well."""
     steps = [(b[0] - a[0]) / (b[1] - a[1]) for a, b in zip(stage.counts, stage.counts[1:], strict=False) if b[1] > a[1]]
-    if done == whole or stage.seconds is None:
+    if done == whole and stage.seconds is not None:
         return stage.seconds
     if not steps:  # too short for a report
-        return stage.seconds * whole / done
-    total = stage.counts[-1][2]
-    return stage.seconds + statistics.median(steps) * total * (whole / done - 1)
+        return None if stage.seconds is None else stage.seconds * whole / done
+    all_steps = statistics.median(steps) * stage.counts[-1][2]
+    return all_steps * whole / done if stage.seconds is None else stage.seconds + all_steps * (whole / done - 1)
 
 
 def rehearse(preset, options):

@@ -97,6 +97,8 @@ class PaperRehearsal(EndToEnd):
         stage = SimpleNamespace(seconds=100.0, counts=[(0, 1, 20), (2, 2, 20), (4, 3, 20), (30, 4, 20)])
         self.assertEqual(paper_rehearsal.full_seconds(stage, 10, 10), 100)
         self.assertEqual(paper_rehearsal.full_seconds(stage, 10, 50), 100 + 2 * (100 - 20))
+        stopped = SimpleNamespace(seconds=None, counts=stage.counts)
+        self.assertEqual(paper_rehearsal.full_seconds(stopped, 10, 10), 2 * 20)
         stage.counts = []
         self.assertEqual(paper_rehearsal.full_seconds(stage, 10, 50), 500)
         stage.seconds = None
