@@ -5,7 +5,7 @@ import os
 import shlex
 import unittest
 
-from harness import EndToEnd, files_below, main, png
+from harness import EndToEnd, files_below, main, png, read_png
 
 SCENES = ("garden", "room")
 
@@ -40,6 +40,12 @@ class Bench(EndToEnd):
         self.assertEqual(*[{name: data for name, (data, _) in files.items()} for files in depth], "shared")
         for name in ("bench.md", "bench.tex", "bench.csv", "bench-views.svg", "bench-time.svg"):
             self.assertTrue((out / name).read_text().strip(), name)
+
+        self.run_program("figure", out, "-o", self.dir / "grid", "--panel-width", 96)
+        width, height = read_png(self.dir / "grid.png")[:2]
+        self.assertEqual(width, 8 + 3 * 96 + 2 * 6 + 8, "the photo and two methods")
+        self.assertGreater(height, 4 * 72, "two scenes, two numbers of views")
+        self.error_of("figure", out, out, "-o", self.dir / "refused", code=2, names=["benchmark"])
 
         runs = files_below(out / "runs")
         self.assertEqual(self.run_program(*arguments).stdout, done.stdout)

@@ -147,6 +147,17 @@ class Networks(ManyViews):
             self.error_of(*arguments, *bad, "-o", self.dir / "refused", code=code, names=names, **self.with_models)
             self.assertFalse((self.dir / "refused").exists())
 
+    def test_a_sweep_of_layers_measures_each(self):
+        out = self.dir / "sweep"
+        arguments = ["validate", self.scene, "-o", out, "--each-layer", *SMALL, "--proposers", "warp"]
+        done = self.run_program(*arguments, **self.with_models)
+        self.assertRegex(done.stdout, r"(?m)^as combined +0\.\d{3} ")
+        layers = json.loads((out / "layers.json").read_text())["layers"]
+        self.assertEqual([row["layer"] for row in layers], [None, *range(len(layers) - 1)])
+        self.assertGreater(len(layers), 2)
+        self.assertIn("<svg", (out / "layers.svg").read_text())
+        self.error_of(*arguments, "--oracle", "uniform", code=2, names=["--oracle"], **self.with_models)
+
     def test_without_weights_all_that_is_missing_is_named(self):
         out = self.dir / "missing"
         for preset in PRESETS:

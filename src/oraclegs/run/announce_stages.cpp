@@ -11,7 +11,9 @@ namespace {
 constexpr double kCoveredByObject = 0.45;  // of a Blender scene's images
 
 /// Warns only: the estimate is an upper bound, and more memory may become free.
-void WarnOfMemory(int64_t needed, const Listener& listener) {
+void AnnounceMemory(int64_t needed, bool with_networks, const Listener& listener) {
+  listener(Note{fmt::format("the run needs at most about {:.3g} GB of memory{}", Gigabytes(needed),
+                            with_networks ? " beside its networks" : "")});
   const uint64_t available = AvailableMemory();
   if (available == 0 || static_cast<uint64_t>(needed) <= available) return;
   listener(Warning{fmt::format(
@@ -34,14 +36,17 @@ void AnnounceStages(Run* run) {
                             run->plan.device.is_cpu() ? CpuSlowness() : 0,
                             run->scene.format == SceneFormat::kBlender ? kCoveredByObject : 1};
   RunPlanned planned;
+  bool with_networks = false;
   for (const Stage& stage : *run->stages) {
     if (!stage.work.wanted(*run)) continue;
-    const bool known = run->plan.device.is_cpu() && !(stage.work.uses_network && stage.work.uses_network(*run));
+    const bool uses_network = stage.work.uses_network && stage.work.uses_network(*run);
+    const bool known = run->plan.device.is_cpu() && !uses_network;
+    with_networks |= uses_network;
     planned.stages.push_back({stage.name, known ? EstimateSeconds(stage, input) : 0});
     if (known) run->predicted[stage.name] = planned.stages.back().seconds;
   }
   run->listener(planned);
-  if (run->plan.device.is_cpu()) WarnOfMemory(EstimateRunMemory(input), run->listener);
+  if (run->plan.device.is_cpu()) AnnounceMemory(EstimateRunMemory(input), with_networks, run->listener);
 }
 
 }  // namespace oraclegs

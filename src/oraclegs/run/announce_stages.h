@@ -5,8 +5,8 @@
 namespace oraclegs {
 
 /// Reports the stages of the run up to its report, with the time of each where it can be predicted
-/// (estimate/time_estimate.h), stores these times in run->predicted, and warns where memory may not suffice. Call it
-/// when the scene has been read, before the first stage.
+/// (estimate/time_estimate.h), stores these times in run->predicted; on a CPU it says how much memory the run needs,
+/// and warns where that may not be there. Call it when the scene has been read, before the first stage.
 void AnnounceStages(Run* run);
 
 }  // namespace oraclegs

@@ -89,6 +89,9 @@ class TrainDevice {
   /// Restores the exposure maps. Throws InputError when the state is of another number of photos; does nothing where
   /// they are not trained.
   virtual void RestoreExposures(const ExposureState& state) = 0;
+
+  /// Memory of the device that the training was expected to need before it began, bytes; 0 = nobody knows.
+  virtual int64_t expected_bytes() const { return 0; }
 };
 
 /// Inputs of a device. `start` is the first number of Gaussians; `plan` outlives the device.

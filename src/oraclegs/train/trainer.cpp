@@ -6,6 +6,7 @@
 
 #include "oraclegs/camera/scene_bounds.h"
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/train/checkpoint_folder.h"
 #include "oraclegs/train/densify.h"
 #include "oraclegs/train/loss_terms.h"
@@ -141,6 +142,10 @@ void Trainer::State::ReportLimitations(const Listener& listener) const {
         "without LPIPS: its weight in the loss on proposals goes to L1, which has {:.2f} (`oraclegs models fetch "
         "lpips-vgg` downloads the network)",
         1 - options.proposal_ssim)});
+  }
+  if (device->expected_bytes() > 0) {
+    listener(Note{fmt::format("the training needs about {:.3g} GB of GPU memory beside LPIPS",
+                              Gigabytes(device->expected_bytes()))});
   }
 }
 

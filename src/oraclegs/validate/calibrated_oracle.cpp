@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "oraclegs/core/text.h"
 #include "oraclegs/networks/loader.h"
 #include "oraclegs/validate/vggt_oracle.h"
 
@@ -127,8 +128,11 @@ void CalibratedOracle::LoadSecond(const OracleSetup& setup, const std::vector<Lo
       all ? ChunkRequest{asked.oracle_chunk, std::min(kImagesOfPass, views.size() + setup.targets),
                          views.size() + setup.targets}
           : ChunkRequest{asked.oracle_chunk, kOracleChunk, std::max(setup.targets, views.size())};
-  options.chunk = ChooseChunk([&](int64_t images) { return network->PassBytes(cameras, all ? images : images + 1); },
-                              request, setup.free_bytes, listener);
+  const auto bytes = [&](int64_t images) { return network->PassBytes(cameras, all ? images : images + 1); };
+  options.chunk = ChooseChunk(bytes, request, setup.free_bytes, listener);
+  const auto chunk = static_cast<int64_t>(options.chunk);
+  listener(Note{fmt::format("VGGT looks at {} at once, which needs about {:.3g} GB",
+                            Counted(all ? chunk : chunk + 1, "image"), Gigabytes(bytes(chunk)))});
   together_ = all ? std::max<size_t>(setup.targets, 1) : options.chunk;
   progress_ = std::make_shared<Progress>();
   progress_->listener = listener;

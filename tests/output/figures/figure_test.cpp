@@ -2,9 +2,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "oraclegs/core/files.h"
 #include "oraclegs/image/codecs.h"
 #include "oraclegs/image/read_image.h"
+#include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/run/reconstruct.h"
+#include "oraclegs/stages/metrics.h"
 #include "run/proposing.h"
 #include "support/errors.h"
 
@@ -83,6 +86,56 @@ TEST_F(FigureTest, ComparesRunsOnTheirTestViews) {
   WritePng(second / "renders/test" / (row[2].caption + ".png"), {4, 4, 3, std::vector<uint8_t>(48, 1)});
   options.show = row[2].caption;
   EXPECT_THAT(MessageOf<InputError>([&] { ComparisonSheet({first, second}, options); }), HasSubstr("4 x 4"));
+}
+
+TEST_F(FigureTest, ShowsAScenesMedianViewByEachMethodOfABenchmark) {
+  const fs::path bench = *temp / "bench";
+  for (const char* name : {"bench/runs/a", "bench/runs/b"}) Made(name);
+  const auto score = [](const char* method, int seed, const char* workspace) {
+    return nlohmann::json{{"scene", "two"}, {"views", 10}, {"method", method},
+                          {"seed", seed},   {"psnr", 20},  {"workspace", workspace}};
+  };
+  nlohmann::json failed = score("mcmc", 0, "runs/none");
+  failed.erase("psnr"), failed["scene"] = "one", failed["failure"] = "has no images";
+  nlohmann::json report = {
+      {"scenes", {"two", "one"}},
+      {"methods", {{{"name", "ours"}, {"label", "Ours"}}, {{"name", "mcmc"}, {"label", "MCMC"}}}},
+      {"runs", {score("ours", 1, "runs/gone"), score("ours", 0, "runs/a"), score("mcmc", 0, "runs/b"), failed}}};
+  WriteFileAtomically(bench / "bench.json", report.dump());
+  EXPECT_TRUE(IsSuiteFolder(bench));
+  EXPECT_FALSE(IsSuiteFolder(bench / "runs/a"));
+
+  const Sheet sheet = SuiteSheet(bench, {});
+  EXPECT_THAT(sheet.heads, ElementsAre("photo", "Ours", "MCMC"));
+  ASSERT_EQ(sheet.rows.size(), 2u);
+  const std::vector<Panel>&row = sheet.rows[0], &empty = sheet.rows[1];
+  nlohmann::json views = ReadMetrics(bench / "runs/a").at("test").at("views");
+  std::sort(views.begin(), views.end(), [](const auto& a, const auto& b) { return a.at("psnr") < b.at("psnr"); });
+  const nlohmann::json& median = views[(views.size() - 1) / 2];
+  const std::string name = FileName(median.at("name").get<std::string>());
+  EXPECT_EQ(row[0].caption, "two, 10 views: " + name);
+  EXPECT_EQ(row[0].image.data, ReadImage(bench / "runs/a/renders/test" / (name + "_gt.png")).data);
+  EXPECT_EQ(row[1].caption, fmt::format("{:.2f} dB", median.at("psnr").get<double>()));
+  EXPECT_EQ(row[2].image.data, ReadImage(bench / "runs/b/renders/test" / (name + ".png")).data);
+  EXPECT_EQ(empty[0].caption, "one, 10 views");
+  EXPECT_EQ(empty[1].caption, "not run");
+  EXPECT_EQ(empty[2].caption, "has no images");
+  EXPECT_EQ(empty[2].image.width, 0);
+
+  FigureOptions options;
+  options.show = views[0].at("name").get<std::string>(), options.crop = "4,6,20,10", options.labels = "A,B";
+  const Sheet other = SuiteSheet(bench, options);
+  EXPECT_THAT(other.heads, ElementsAre("photo", "A", "B"));
+  EXPECT_THAT(other.rows[0][0].caption, testing::EndsWith(FileName(options.show)));
+  EXPECT_EQ(other.rows[0][2].image.width, 20);
+  options.labels = "A";
+  EXPECT_THAT(MessageOf<UsageError>([&] { SuiteSheet(bench, options); }), HasSubstr("--labels names 1 methods"));
+
+  report["runs"] = nlohmann::json::array({failed});
+  WriteFileAtomically(bench / "bench.json", report.dump());
+  EXPECT_THAT(MessageOf<InputError>([&] { SuiteSheet(bench, {}); }), HasSubstr("no run has scores yet"));
+  WriteFileAtomically(bench / "bench.json", "{}");
+  EXPECT_THAT(MessageOf<InputError>([&] { SuiteSheet(bench, {}); }), HasSubstr("no report of `oraclegs bench`"));
 }
 
 TEST_F(FigureTest, NeedsScoresAndProposals) {

@@ -8,6 +8,7 @@
 
 #include "oraclegs/core/host.h"
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/networks/common/tensor.h"
 #include "oraclegs/networks/seva/chunk_store.h"
 #include "oraclegs/networks/seva/conditioning.h"
@@ -99,6 +100,10 @@ class Generation {
     memory.gpu = networks_.unet->any_weight().is_cuda();
     const int64_t bytes = BytesToUse(), weights = EstimateMemory(networks_.unet->config, memory).weights;
     halves_ = ChooseHalves(networks_.unet->config, memory, options_, bytes);
+    memory.halves = halves_;
+    listener_(Note{fmt::format("seva denoises {} frames of {} x {} at once, which needs about {:.3g} GB", memory.frames,
+                               working_.width, working_.height,
+                               Gigabytes(EstimateMemory(networks_.unet->config, memory).total()))});
     tile_ = ChooseTile({working_, weights, networks_.autoencoder}, bytes);
     if (tile_ * kLatentStride >= std::max(working_.width, working_.height)) return;
     listener_(Warning{

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <charconv>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/core/unique_json.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/scene/loaded_view.h"
@@ -114,6 +117,58 @@ std::vector<TestView> TestViewsOf(const fs::path& workspace) {
   return views;
 }
 
+constexpr const char* kBenchReport = "bench.json";
+
+/// A run of a benchmark as its report tells of it.
+struct SuiteRun {
+  std::string method, workspace, failure;
+  int64_t seed = 0;
+  bool is_scored = false;
+};
+
+/// {views, scene}: a row of the figure.
+using SuiteRow = std::pair<int64_t, std::string>;
+
+/// The runs of each row, of rising seeds. Throws json::exception.
+std::map<SuiteRow, std::vector<SuiteRun>> SuiteRunsOf(const nlohmann::json& report) {
+  std::map<SuiteRow, std::vector<SuiteRun>> rows;
+  for (const nlohmann::json& run : report.at("runs")) {
+    const nlohmann::json failure = run.value("failure", nlohmann::json());
+    rows[{run.at("views").get<int64_t>(), run.at("scene").get<std::string>()}].push_back(
+        {run.at("method").get<std::string>(), run.at("workspace").get<std::string>(),
+         failure.is_string() ? failure.get<std::string>() : "", run.at("seed").get<int64_t>(),
+         run.value("psnr", nlohmann::json()).is_number()});
+  }
+  for (auto& [row, runs] : rows) {
+    std::stable_sort(runs.begin(), runs.end(), [](const auto& a, const auto& b) { return a.seed < b.seed; });
+  }
+  return rows;
+}
+
+/// The run of a method that is shown: the first with scores, else the first; nullptr where none was planned.
+const SuiteRun* ShownRun(const std::vector<SuiteRun>& runs, const std::string& method) {
+  const SuiteRun* shown = nullptr;
+  for (const SuiteRun& run : runs) {
+    if (run.method != method) continue;
+    if (run.is_scored) return &run;
+    if (shown == nullptr) shown = &run;
+  }
+  return shown;
+}
+
+/// The first of `views` that --show names, else the one with the median PSNR, the lower of two.
+std::string ViewToShow(std::vector<TestView> views, const std::string& show) {
+  for (const std::string& word : SplitTrimmed(show, ',')) {
+    const std::string name = FileName(word);
+    for (const TestView& view : views) {
+      if (view.name == name) return name;
+    }
+  }
+  std::stable_sort(views.begin(), views.end(),
+                   [](const TestView& a, const TestView& b) { return a.psnr.value_or(0) < b.psnr.value_or(0); });
+  return views[(views.size() - 1) / 2].name;
+}
+
 std::string FolderName(const fs::path& path) {
   const fs::path normal = path.lexically_normal();
   return (normal.has_filename() ? normal : normal.parent_path()).filename().string();
@@ -192,6 +247,74 @@ Sheet ComparisonSheet(const std::vector<fs::path>& workspaces, const FigureOptio
     row.push_back({Cropped(std::move(photo), crop), name});
     sheet.rows.push_back(std::move(row));
   }
+  return sheet;
+}
+
+bool IsSuiteFolder(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::is_regular_file(folder / kBenchReport, ignored);
+}
+
+Sheet SuiteSheet(const fs::path& folder, const FigureOptions& options) {
+  const fs::path file = folder / kBenchReport;
+  const nlohmann::json report = ParseJsonOrDiscard(ReadFile(file));
+  std::vector<std::string> scenes, methods, labels = SplitTrimmed(options.labels, ',');
+  std::map<SuiteRow, std::vector<SuiteRun>> rows;
+  const bool names_methods = !labels.empty();
+  try {
+    scenes = report.at("scenes").get<std::vector<std::string>>();
+    for (const nlohmann::json& method : report.at("methods")) {
+      methods.push_back(method.at("name").get<std::string>());
+      if (!names_methods) labels.push_back(method.at("label").get<std::string>());
+    }
+    rows = SuiteRunsOf(report);
+  } catch (const nlohmann::json::exception&) {
+    throw InputError("{}: is no report of `oraclegs bench`; run the same `oraclegs bench` again", file.string());
+  }
+  if (labels.size() != methods.size()) {
+    throw UsageError("--labels names {} methods, {} has {}", labels.size(), file.string(), methods.size());
+  }
+  const std::optional<FigureCrop> crop = CropOf(options.crop);
+  Sheet sheet;
+  sheet.heads = {"photo"};
+  sheet.heads.insert(sheet.heads.end(), labels.begin(), labels.end());
+  // By the number of views, then as the suite lists its scenes.
+  std::vector<SuiteRow> order;
+  for (const auto& [row, runs] : rows) order.push_back(row);
+  const auto place = [&](const SuiteRow& row) {
+    return std::pair(row.first, std::find(scenes.begin(), scenes.end(), row.second));
+  };
+  std::sort(order.begin(), order.end(), [&](const auto& a, const auto& b) { return place(a) < place(b); });
+  bool has_images = false;
+  for (const SuiteRow& row : order) {
+    const std::string title = row.first > 0 ? fmt::format("{}, {} views", row.second, row.first) : row.second;
+    std::string name;
+    std::vector<Panel> panels = {{{}, title}};
+    for (const std::string& method : methods) {
+      const SuiteRun* run = ShownRun(rows.at(row), method);
+      if (run == nullptr || !run->is_scored) {
+        panels.push_back({{}, run == nullptr || run->failure.empty() ? "not run" : run->failure});
+        continue;
+      }
+      const WorkspacePaths paths(folder / run->workspace);
+      const std::vector<TestView> views = TestViewsOf(paths.root());
+      const fs::path renders = paths.renders("test");
+      if (name.empty()) {
+        name = ViewToShow(views, options.show);
+        panels[0] = {Cropped(ReadImage(renders / (name + "_gt.png")), crop), fmt::format("{}: {}", title, name)};
+      }
+      const auto view = std::find_if(views.begin(), views.end(), [&](const auto& v) { return v.name == name; });
+      if (view == views.end()) {
+        panels.push_back({{}, fmt::format("has no test view {}", name)});
+        continue;
+      }
+      panels.push_back({Cropped(ReadImage(renders / (name + ".png")), crop),
+                        view->psnr ? fmt::format("{:.2f} dB", *view->psnr) : ""});
+      has_images = true;
+    }
+    sheet.rows.push_back(std::move(panels));
+  }
+  if (!has_images) throw InputError("{}: no run has scores yet; run the same `oraclegs bench` again", file.string());
   return sheet;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Figures of papers from workspaces: proposals with their confidence, or renders of several runs side by side.
+// Figures of papers: proposals with their confidence, renders of several runs side by side, or of a whole benchmark.
 
 #include <filesystem>
 #include <string>
@@ -30,11 +30,14 @@ struct FigureOptions {
         "confidence = proposals, their confidence (plasma), and the photo of their pose where there is one; comparison "
         "= renders of the test views of one or more runs beside the photos; auto = confidence for one workspace, "
         "comparison for several");
-    visit("show", self.show, "Names of the proposals or test views to show, separated by commas; without, some evenly");
+    visit(
+        "show", self.show,
+        "Names of the proposals or test views to show, separated by commas; without, some evenly, and of a benchmark's "
+        "scene the view with the median PSNR");
     visit("rows", self.rows, "How many to show where --show names none", Range{1, 100});
-    visit("crop", self.crop, "Of a comparison: the part to show, X,Y,WIDTH,HEIGHT in pixels of the renders");
+    visit("crop", self.crop, "Of renders: the part to show, X,Y,WIDTH,HEIGHT in pixels");
     visit("labels", self.labels,
-          "Of a comparison: what the runs are called, separated by commas; without, their folders");
+          "Of renders: what the runs or methods are called, separated by commas; without, as their folders and tables");
     visit("panel-width", self.panel_width, "Width of an image in the PNG, pixels", Range{32, 4096});
   }
 };
@@ -47,5 +50,14 @@ Sheet ConfidenceSheet(const Run& run, const FigureOptions& options);
 /// folder without renders, renders of different sizes and a view that one run lacks; UsageError for a crop outside the
 /// renders and a wrong number of labels.
 Sheet ComparisonSheet(const std::vector<std::filesystem::path>& workspaces, const FigureOptions& options);
+
+/// True for the folder of a benchmark (`oraclegs bench`).
+bool IsSuiteFolder(const std::filesystem::path& folder);
+
+/// Renders of a benchmark: a row for each scene and number of views, the photo and each method's render of one test
+/// view, with its PSNR. The view is the first that --show names, else the one in whose PSNR the first method with
+/// scores is at its median. A method with several seeds is shown by the first with scores; the place of a run without
+/// scores has its reason. Throws InputError for a folder without scores; UsageError as ComparisonSheet.
+Sheet SuiteSheet(const std::filesystem::path& folder, const FigureOptions& options);
 
 }  // namespace oraclegs

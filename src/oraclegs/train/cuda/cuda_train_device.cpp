@@ -172,6 +172,8 @@ class CudaTrainDevice final : public TrainDevice {
     unchecked_.clear();
   }
 
+  int64_t expected_bytes() const override { return expected_bytes_; }
+
   ExposureState exposures() const override { return loss_.exposures(); }
   void RestoreExposures(const ExposureState& state) override { loss_.RestoreExposures(state); }
 
@@ -181,7 +183,9 @@ class CudaTrainDevice final : public TrainDevice {
     DeviceViews views(plan_);
     TrainingSize size{capacity_, LargestOf(plan_).pixels, views.bytes(), 0, options_.sh_moments};
     size.rasterizer_bytes = EstimateRasterizerBytes(capacity_, kPairsAGaussian * capacity_, size.pixels);
-    RequireMemory(EstimateMemory(size), MemoryOfDevice().free);
+    const std::vector<MemoryItem> items = EstimateMemory(size);
+    RequireMemory(items, MemoryOfDevice().free);
+    expected_bytes_ = TotalBytes(items);
     views.MoveTo(device_);
     return views;
   }
@@ -220,6 +224,7 @@ class CudaTrainDevice final : public TrainDevice {
   std::unique_ptr<Rasterizer> rasterizer_;
   std::unique_ptr<Densifier> densifier_;  // watches the rasterizer
   int64_t capacity_;                      // Gaussians
+  int64_t expected_bytes_ = 0;            // set while loss_ is made
   CudaViewLoss loss_;
   LossSums sums_;                     // of the iteration
   PartGradients part_gradients_;      // of the iteration
