@@ -60,6 +60,10 @@ class TorchNetworks : public Networks {
     return seva::LoadViewGenerator(request);
   }
 
+  void RequireMemoryToGenerate(const ViewGeneratorRequest& request, seva::Size photo) const override {
+    seva::RequireMemory(request, photo);
+  }
+
  private:
   static void UseOurThreads() { at::set_num_threads(NumThreads()); }
 };
