@@ -28,7 +28,7 @@ struct AloneRun {
         adam(SteadyAdam(input.gaussians.size())) {}
 };
 struct AloneSample {
-  double photometric, gaussian_backward, regularizers, adam, noise;
+  double photometric, gaussian_backward, backward, backward_with_camera, regularizers, adam, noise;
 };
 
 AloneSample StepAlone(AloneRun* run) {
@@ -39,8 +39,12 @@ AloneSample StepAlone(AloneRun* run) {
       input.gaussians, view.camera, {input.background, kMaxShDegree, input.antialiased}, RenderPass::kTrain);
   Buffer<float> grad_image = run->grad_image.Get({view.camera.height, view.camera.width, 3});
   ms.photometric = MillisecondsOf([&] { run->photometric(out.image, view.image, {}, {}, &grad_image); });
-  run->rasterizer->Backward(input.gaussians, {grad_image, {}, {}}, &run->grads);
+  const auto backward = [&] { run->rasterizer->Backward(input.gaussians, {grad_image, {}, {}}, &run->grads); };
+  ms.backward = MillisecondsOf(backward);
   ms.gaussian_backward = run->rasterizer->timings().gaussian_backward;
+  run->rasterizer->WatchCamera(true);
+  ms.backward_with_camera = MillisecondsOf(backward);
+  run->rasterizer->WatchCamera(false);
   const TrainOptions options;
   ms.regularizers = MillisecondsOf([&] {
     AddRegularizers(input.gaussians, {options.opacity_reg, options.scale_reg}, &run->grads);
@@ -70,6 +74,8 @@ void MeasureAlone(benchmark::State& state, const Case& c) {
   DescribeCase(c, run.input.views.front(), &state);
   state.counters["photometric_ms"] = median(&AloneSample::photometric);
   state.counters["gaussian_backward_ms"] = median(&AloneSample::gaussian_backward);
+  state.counters["backward_ms"] = median(&AloneSample::backward);
+  state.counters["backward_with_camera_ms"] = median(&AloneSample::backward_with_camera);
   state.counters["regularizers_ms"] = median(&AloneSample::regularizers);
   state.counters["adam_ms"] = median(&AloneSample::adam);
   state.counters["noise_ms"] = median(&AloneSample::noise);

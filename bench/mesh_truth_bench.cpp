@@ -11,8 +11,8 @@
 #include <exception>
 
 #include "oraclegs/core/rng.h"
-#include "oraclegs/demo/shape_distance.h"
-#include "oraclegs/mesh/mesh_file.h"
+#include "support/mesh_ply.h"
+#include "support/shape_distance.h"
 
 namespace oraclegs {
 namespace {

@@ -10,7 +10,6 @@
 #include "oraclegs/formats/zip_archive.h"
 #include "oraclegs/image/codecs.h"
 #include "oraclegs/image/exif.h"
-#include "oraclegs/image/exif_tags.h"
 #include "oraclegs/image/read_image.h"
 #include "weights/checkpoint/torch_bytes.h"
 

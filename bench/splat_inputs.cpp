@@ -5,15 +5,10 @@
 #include "formats/glb_edit.h"
 #include "formats/spz_version4.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/formats/compressed_ply.h"
-#include "oraclegs/formats/gltf.h"
+#include "oraclegs/formats/codecs.h"
 #include "oraclegs/formats/gzip.h"
-#include "oraclegs/formats/sog.h"
-#include "oraclegs/formats/splat.h"
-#include "oraclegs/formats/spz.h"
 #include "oraclegs/formats/zip_archive.h"
 #include "oraclegs/gaussians/ply.h"
-#include "oraclegs/mesh/mesh_file.h"
 
 namespace oraclegs {
 namespace {
@@ -160,21 +155,6 @@ std::vector<ParserInput> SplatInputs() {
          });
        },
        gltf},
-      {"mesh", "triangles",
-       [](size_t bytes) {
-         const size_t n = bytes / 40;
-         TriangleMesh mesh;
-         for (size_t i = 0; i < n + 3; ++i) {
-           const auto x = static_cast<float>(i);
-           mesh.positions.push_back({x, x * .5f, 1});
-           mesh.normals.push_back({0, 0, 1});
-           mesh.colors.push_back({9, 8, 7});
-         }
-         for (uint32_t i = 0; i <= n; ++i) mesh.triangles.push_back({i, i + 1, i + 2});
-         WriteMesh(BenchFolder() / "made.ply", mesh, {0, -1, 0});
-         return ReadFile(BenchFolder() / "made.ply");
-       },
-       [](const std::string&) { ReadMeshPly(BenchFolder() / "mesh.ply"); }, "mesh.ply"},
   };
 }
 

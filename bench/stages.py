@@ -27,6 +27,8 @@ STAGES = {
 ALONE = {
     "photometric": "L1 + SSIM, value and gradient",
     "gaussian_backward": "per-Gaussian backward",
+    "backward": "backward",
+    "backward_with_camera": "backward with the camera's gradient",
     "regularizers": "regularizers",
     "adam": "Adam",
     "noise": "noise",

@@ -2,7 +2,7 @@
 
 #include "bench/parser_inputs.h"
 #include "oraclegs/core/safetensors.h"
-#include "oraclegs/core/shard_index.h"
+#include "oraclegs/core/safetensors_layout.h"
 #include "oraclegs/weights/checkpoint/state_dict.h"
 #include "oraclegs/weights/checkpoint/torch_file.h"
 #include "weights/checkpoint/torch_bytes.h"

@@ -6,7 +6,7 @@ endif()
 include(GNUInstallDirs)
 
 # Libraries that only this program knows lie in a folder of their own, where the program looks for what it loads on demand
-# (src/oraclegs/core/find_program.h).
+# (src/oraclegs/core/files.h).
 set(ORACLEGS_PRIVATE_DIR ${CMAKE_INSTALL_LIBDIR}/oraclegs)
 set_target_properties(oraclegs_core PROPERTIES INSTALL_RPATH "$ORIGIN")
 

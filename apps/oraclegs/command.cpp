@@ -64,6 +64,7 @@ void Command::BindRun(RunOptions* options) {
     });
     checks_.push_back([&group] { CheckOptions(group); });
   });
+  split_ = &options->split;
   machine_ = &options->machine;
   device_ = &options->device;
   file_limits_ = &options->file_limits;
@@ -157,10 +158,16 @@ void Command::Run(const std::string& command_line) {
   for (const CLI::Option* option : app_->get_options()) {
     if (option->count() > 0) Log().debug("option {} = {}", option->get_name(), fmt::join(option->results(), " "));
   }
+  if (!preset_warning_.empty()) terminal.AsListener()(Warning{preset_warning_});
   Body(terminal.AsListener());
 }
 
-void Command::TakePreset(const std::string& name) { ApplyPreset(name, app_->get_name(), &table_); }
+void Command::TakePreset(const std::string& name) {
+  const std::map<std::string, std::string> overruled = ApplyPreset(name, app_->get_name(), &table_);
+  const auto views = overruled.find("views");
+  if (views == overruled.end() || !split_ || views->second == std::to_string(split_->views)) return;
+  preset_warning_ = ForOtherViews(name, views->second, split_->views);
+}
 
 CommandInfo Command::Info() const {
   CommandInfo info{.name = app_->get_name(), .help = app_->get_description(), .group = "", .example = example_};

@@ -107,11 +107,13 @@ class Command {
   std::vector<OptionInfo> settings_;  ///< all that --set alone has
   std::vector<std::string> set_;      ///< NAME=VALUE of each --set
   OutputOptions output_;
+  const SplitOptions* split_ = nullptr;      ///< split of a command with the options of a run; null = has none
   const MachineOptions* machine_ = nullptr;  ///< machine options of the derived class
   const FileLimits* file_limits_ = nullptr;  ///< file limits of the derived class
   const DeviceOptions* device_ = nullptr;    ///< device options of the derived class; null = no choice
   std::filesystem::path config_;
   std::string preset_;
+  std::string preset_warning_;  ///< of options that win over the preset; "" = none
   std::string command_line_;
   std::vector<std::function<void()>> checks_;
 };

@@ -49,17 +49,21 @@ TableOption* RequireOption(const std::string& name, const Source& source) {
           : meant);
 }
 
-/// Sets an option that nothing before has set. Throws UsageError "FILE: ..." when the value does not fit.
-void SetFrom(const std::string& source, TableOption* option, const json& value) {
-  if (option->given()) return;
+/// Sets an option that nothing before has set; returns whether it did. Throws UsageError "FILE: ..." when the value
+/// does not fit.
+bool SetFrom(const std::string& source, TableOption* option, const json& value) {
+  if (option->given()) return false;
   try {
     option->Set(value);
   } catch (const UsageError& error) {
     throw UsageError("{}: {}", source, error.what());
   }
+  return true;
 }
 
-void ApplyToml(const std::string& text, const Source& source) {
+/// Returns the values of options that were set before.
+std::map<std::string, std::string> ApplyToml(const std::string& text, const Source& source) {
+  std::map<std::string, std::string> overruled;
   std::istringstream lines(text);
   std::set<std::string> seen;
   for (const CLI::ConfigItem& item : CLI::ConfigTOML().from_config(lines)) {
@@ -74,8 +78,9 @@ void ApplyToml(const std::string& text, const Source& source) {
     if (HasOpenQuote(item.inputs.front())) {
       throw UsageError("{}: the text of '{}' has no closing quote (it must not contain #)", source.name, item.name);
     }
-    SetFrom(source.name, option, item.inputs.front());
+    if (!SetFrom(source.name, option, item.inputs.front())) overruled[item.name] = item.inputs.front();
   }
+  return overruled;
 }
 
 void ApplyJson(const std::string& text, const Source& source) {
@@ -103,12 +108,15 @@ bool LooksLikeJson(const std::string& text) {
 
 void ApplyConfigFile(const fs::path& file, const std::string& command, OptionTable* options) {
   const std::string text = ReadConfig(file);
-  (LooksLikeJson(text) ? ApplyJson : ApplyToml)(text, {file.string(), command, options});
+  const Source source{file.string(), command, options};
+  if (LooksLikeJson(text)) return ApplyJson(text, source);
+  ApplyToml(text, source);
 }
 
-void ApplyPreset(const std::string& name, const std::string& command, OptionTable* options) {
+std::map<std::string, std::string> ApplyPreset(const std::string& name, const std::string& command,
+                                               OptionTable* options) {
   const Preset preset = ReadPreset(name);
-  ApplyToml(preset.text, {preset.source, command, options});
+  return ApplyToml(preset.text, {preset.source, command, options});
 }
 
 RunArguments GivenArguments(const OptionTable& table, const RunOptions& options) {

@@ -3,6 +3,7 @@
 // over --preset, that over the workspace.
 
 #include <filesystem>
+#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
@@ -17,8 +18,10 @@ namespace oraclegs {
 /// value does not fit. `command` is the command whose options they are, for messages.
 void ApplyConfigFile(const std::filesystem::path& file, const std::string& command, OptionTable* options);
 
-/// Sets options from the preset of this name; the message for an unknown one lists the presets.
-void ApplyPreset(const std::string& name, const std::string& command, OptionTable* options);
+/// Sets options from the preset of this name; the message for an unknown one lists the presets. Returns the values of
+/// those that were set before.
+std::map<std::string, std::string> ApplyPreset(const std::string& name, const std::string& command,
+                                               OptionTable* options);
 
 /// Options of a run, bound to `table`, that something has set.
 RunArguments GivenArguments(const OptionTable& table, const RunOptions& options);

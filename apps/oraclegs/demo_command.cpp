@@ -9,7 +9,7 @@
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/run/reconstruct.h"
 #include "oraclegs/run/stages.h"
-#include "oraclegs/stages/stage_table.h"
+#include "oraclegs/stages/metrics.h"
 #include "oraclegs/workspace/stage_records.h"
 #include "oraclegs/workspace/workspace.h"
 

@@ -1,5 +1,5 @@
 #include "oraclegs/run/stages.h"
-#include "oraclegs/stages/depth_stage.h"
+#include "oraclegs/stages/stage_works.h"
 #include "workspace_command.h"
 
 namespace oraclegs {

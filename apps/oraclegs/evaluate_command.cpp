@@ -2,7 +2,6 @@
 #include "oraclegs/output/evaluate_ply.h"
 #include "oraclegs/run/reconstruct.h"
 #include "oraclegs/stages/metrics.h"
-#include "oraclegs/stages/oracle_report.h"
 #include "source_command.h"
 
 namespace oraclegs {

@@ -1,7 +1,7 @@
 #include "oraclegs/camera/camera_path.h"
 #include "oraclegs/mesh/fuse_model.h"
 #include "oraclegs/mesh/isosurface.h"
-#include "oraclegs/mesh/mesh_file.h"
+#include "oraclegs/mesh/triangle_mesh.h"
 #include "oraclegs/scene/frame_comments.h"
 #include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/settings/device.h"

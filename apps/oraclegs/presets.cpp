@@ -1,5 +1,6 @@
 #include "presets.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <set>
@@ -50,6 +51,19 @@ Preset ReadPreset(const std::string& name) {
   const std::vector<std::string> names = PresetNames();
   throw UsageError("--preset {} does not exist; there are: {}{}", name, fmt::join(names, ", "),
                    DidYouMean(name, names));
+}
+
+std::string ForOtherViews(const std::string& preset, const std::string& its_views, int views) {
+  std::string text =
+      fmt::format("--preset {} is made for {} views; with --views {} its other settings stay as they are", preset,
+                  its_views, views);
+  if (!preset.ends_with("-" + its_views)) return text;
+  const std::string other = preset.substr(0, preset.size() - its_views.size()) + std::to_string(views);
+  const std::vector<std::string> names = PresetNames();
+  if (std::find(names.begin(), names.end(), other) != names.end()) {
+    text += fmt::format(", --iterations among them; --preset {} has those for {}", other, views);
+  }
+  return text;
 }
 
 }  // namespace oraclegs

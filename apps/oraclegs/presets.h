@@ -19,4 +19,8 @@ std::vector<std::string> PresetNames();
 /// Throws UsageError, which lists those that exist, when there is none of this name.
 Preset ReadPreset(const std::string& name);
 
+/// Warning of a preset whose number of views another one, --views, replaces: its other settings stay. Names the preset
+/// of that number where there is one.
+std::string ForOtherViews(const std::string& preset, const std::string& its_views, int views);
+
 }  // namespace oraclegs

@@ -2,7 +2,7 @@
 
 #include "oraclegs/run/reconstruct.h"
 #include "oraclegs/run/stages.h"
-#include "oraclegs/stages/stage_table.h"
+#include "oraclegs/stages/metrics.h"
 #include "oraclegs/workspace/stage_records.h"
 #include "workspace_command.h"
 

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "oraclegs/core/find_program.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/hwy_targets.h"
 // Highway's macros of instruction sets need the line above.
 #include <hwy/highway.h>

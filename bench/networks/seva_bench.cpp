@@ -14,10 +14,10 @@
 #include <vector>
 
 #include "bench/networks/placed_parameters.h"
+#include "bench/networks/seva_cost.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/host.h"
 #include "oraclegs/networks/seva/conditioning.h"
-#include "oraclegs/networks/seva/cost.h"
 #include "oraclegs/networks/seva/memory.h"
 #include "oraclegs/networks/seva/model.h"
 

@@ -15,7 +15,7 @@
 #include "oraclegs/core/host.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
-#include "oraclegs/networks/vggt/memory.h"
+#include "oraclegs/networks/vggt/vggt.h"
 
 namespace oraclegs::vggt {
 namespace {

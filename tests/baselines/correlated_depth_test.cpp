@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "baselines/baseline_trainer.h"
-#include "oraclegs/loss/pearson_depth.h"
+#include "oraclegs/loss/depth_losses.h"
 
 namespace oraclegs {
 namespace {

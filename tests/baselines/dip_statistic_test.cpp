@@ -1,4 +1,4 @@
-#include "oraclegs/baselines/dip_statistic.h"
+#include "oraclegs/baselines/mode_floaters.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 
 #include "baselines/baseline_trainer.h"
 #include "oraclegs/baselines/pseudo_views.h"
-#include "oraclegs/loss/pearson_depth.h"
+#include "oraclegs/loss/depth_losses.h"
 #include "support/buffers.h"
 #include "support/errors.h"
 

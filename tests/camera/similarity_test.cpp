@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace oraclegs {
 namespace {
 
@@ -33,6 +35,19 @@ TEST(Moved, KeepsTheBitsWhereNothingMoves) {
   pose.linear() = Eigen::AngleAxisd(1.1, Eigen::Vector3d::UnitX()).toRotationMatrix();
   pose.translation() = Eigen::Vector3d(1e7 / 3, 1, 4);
   EXPECT_EQ(Moved(pose, {}).matrix(), pose.matrix());
+}
+
+TEST(Nudged, TurnsAboutTheCenterAndMovesAlongTheCamerasAxes) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = Eigen::AngleAxisd(1.1, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  pose.translation() = Eigen::Vector3d(0.5, 1, 4);
+  EXPECT_EQ(Nudged(pose, {0, 0, 0}, {0, 0, 0}).matrix(), pose.matrix());
+  const Eigen::Vector3d center = pose.inverse().translation();
+  EXPECT_NEAR((Nudged(pose, {0.3, -0.2, 0.1}, {0, 0, 0}).inverse().translation() - center).norm(), 0, 1e-12);
+  // A quarter turn about the optical axis takes what is on the right to below.
+  const Eigen::Vector3d seen = pose * Eigen::Vector3d(0.3, -0.2, 1);
+  const Eigen::Vector3d then = Nudged(pose, {0, 0, std::acos(0.0)}, {1, 2, 3}) * Eigen::Vector3d(0.3, -0.2, 1);
+  EXPECT_NEAR((then - Eigen::Vector3d(1 - seen.y(), 2 + seen.x(), 3 + seen.z())).norm(), 0, 1e-12);
 }
 
 }  // namespace

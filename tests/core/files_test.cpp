@@ -1,21 +1,19 @@
 #include "oraclegs/core/files.h"
-#include "support/errors.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
 #include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <csignal>
 
 #include "oraclegs/core/error.h"
+#include "support/errors.h"
 #include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace fs = std::filesystem;
 namespace {
-
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
@@ -211,6 +209,23 @@ TEST(MapFile, RefusesWhatIsNoFile) {
               EndsWith("none: cannot open: No such file or directory"));
   EXPECT_THAT(MessageOf<InputError>([&] { MapFile(dir / "empty"); }), EndsWith("empty: is empty; get the file again"));
   EXPECT_THAT(MessageOf<InputError>([&] { MapFile(dir.path()); }), StartsWith(dir.path().string() + ": "));
+}
+
+TEST(FindProgram, LooksInPath) {
+  EXPECT_TRUE(std::filesystem::exists(FindProgram("sh")));
+  EXPECT_TRUE(FindProgram("sh").is_absolute());
+  EXPECT_EQ(FindProgram("/bin/sh"), "/bin/sh");
+  EXPECT_EQ(FindProgram("oraclegs-no-such-program"), "");
+  EXPECT_EQ(FindProgram(""), "");
+  EXPECT_EQ(FindProgram("/etc/passwd"), "") << "a file that is no program";
+  EXPECT_EQ(FindProgram("/tmp"), "") << "a folder";
+}
+
+TEST(FindLibraryFile, FindsTheLibrariesOfTheProgram) {
+  const auto core = FindLibraryFile("liboraclegs_core.so");
+  ASSERT_TRUE(core);
+  EXPECT_TRUE(std::filesystem::is_regular_file(*core));
+  EXPECT_FALSE(FindLibraryFile("liboraclegs_none.so"));
 }
 
 }  // namespace

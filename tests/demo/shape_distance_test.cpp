@@ -1,4 +1,4 @@
-#include "oraclegs/demo/shape_distance.h"
+#include "support/shape_distance.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "oraclegs/depth/confidence.h"
+#include "oraclegs/depth/patch_match.h"
 
 #include <gtest/gtest.h>
 

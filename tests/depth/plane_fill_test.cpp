@@ -1,4 +1,4 @@
-#include "oraclegs/depth/plane_fill.h"
+#include "oraclegs/depth/fusion.h"
 
 #include <gtest/gtest.h>
 

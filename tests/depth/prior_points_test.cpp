@@ -1,4 +1,4 @@
-#include "oraclegs/depth/prior_points.h"
+#include "oraclegs/depth/fusion.h"
 
 #include <gtest/gtest.h>
 

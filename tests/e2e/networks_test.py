@@ -4,15 +4,16 @@ where weights are missing."""
 import json
 import os
 import re
+import shutil
 import subprocess
 import unittest
 from pathlib import Path
 
-from harness import PROGRAM, ManyViews, files_below, main
+from harness import PROGRAM, ManyViews, command, files_below, main
 
 TINY_NETWORKS = os.environ.get("ORACLEGS_TINY_NETWORKS", str(Path(PROGRAM).with_name("tiny_networks")))
 MODELS = ["depth-anything-v2-small", "seva", "sd21-vae", "openclip-vith14", "vggt", "lpips-vgg"]
-PRESETS = ["paper-mipnerf360-12", "paper-mipnerf360-24", "paper-blender-8", "best-mipnerf360-12"]
+PRESETS = ["paper", "paper-mipnerf360-12", "paper-mipnerf360-24", "paper-blender-8", "best-mipnerf360-12"]
 SMALL = ["--views", 10, "--test-every", 4, "--downscale", 1, "--set", "stereo-iterations=3", "--set", "stereo-passes=1",
          "--iterations", 20, "--max-gaussians", 1500, "--init", "hybrid", "--set", "proxy-models=3", "--proposals", 3, "--trajectory", "dataset",
          "--seva-frames", 12, "--seva-short-side", 64, "--set", "seva-steps=2", "--candidates", 2]  # fmt: skip
@@ -59,6 +60,68 @@ class Networks(ManyViews):
         self.assertEqual(metrics["options"]["horizon"], 30000)
         # Its oracle's confidence is relative, so that some of what networks of random weights paint is trained on.
         self.assertIn("VGG16", metrics["train"]["lpips"])
+
+    def test_the_papers_preset_for_own_photos_finds_the_poses(self):
+        scene, photos, out = self.dir / "textured", self.dir / "photos", self.dir / "own"
+        size = ["--demo-views", 9, "--width", 320, "--height", 240, "--samples", 1]
+        subprocess.run(command("demo-scene", scene, "--quiet", *size), check=True)
+        photos.mkdir()
+        for photo in (scene / "images").glob("*.png"):
+            shutil.copy(photo, photos)
+        small = ["--iterations", 20, "--max-gaussians", 1500, "--proposals", 4, "--seva-frames", 12, "--seva-short-side", 64,
+                 "--set", "seva-steps=2"]  # fmt: skip
+        self.run_program("reconstruct", photos, "-o", out, "--preset", "paper", *small, **self.with_models)
+        metrics = json.loads((out / "metrics.json").read_text())
+        self.assertEqual(metrics["non_commercial"], ["Stable Virtual Camera", "VGGT-1B"])
+        self.assertEqual((metrics["test"]["views"], metrics["depth"]["prior"]), ([], "depth-anything"))
+        frames = json.loads((out / "proposals/transforms.json").read_text())["frames"]
+        self.assertEqual(len(frames), 4)
+        self.assertEqual(json.loads((out / "stages.json").read_text())["start"]["source"], "sfm")
+
+    def test_what_a_preset_of_a_dataset_says_of_other_scenes(self):
+        out = self.dir / "refused"
+        arguments = ["-o", out, "--preset", "paper-mipnerf360-12"]
+        self.error_of("reconstruct", self.scene, *arguments, code=3,
+                      names=["has no folder images_4", "--set smaller-copies=auto"], **self.with_models)  # fmt: skip
+        two = self.dir / "two"
+        two.mkdir()
+        for photo in sorted((self.scene / "images").glob("*.png"))[:2]:
+            shutil.copy(photo, two)
+        whole = ["--set", "smaller-copies=auto", "--downscale", 1]
+        self.error_of("reconstruct", two, *arguments, *whole, code=3,
+                      names=["--views asks for 12 training views, but only 1 is left beside 1 test view"], **self.with_models)  # fmt: skip
+        done = self.run_program("reconstruct", self.scene, *arguments, *whole, "--views", 24, code=3, **self.with_models)
+        self.assertIn("--preset paper-mipnerf360-12 is made for 12 views; with --views 24 its other settings stay as they are, "
+                      "--iterations among them; --preset paper-mipnerf360-24 has those for 24\n", done.stderr)  # fmt: skip
+        done = self.run_program("reconstruct", self.scene, *arguments, *whole, "--views", 9, "--device", "tpu", code=2)
+        self.assertNotIn("is made for 12 views", done.stderr, "bad options come first")
+        self.assertFalse(out.exists())
+
+    def test_large_networks_are_left_to_a_gpu(self):
+        out, models = self.dir / "on_a_cpu", self.dir / "large"
+        shutil.copytree(self.models, models)
+        env = {"env": os.environ | {"ORACLEGS_MODELS": str(models), "CUDA_VISIBLE_DEVICES": ""}}
+        arguments = ["reconstruct", self.scene, "-o", out, "--preset", "paper", *SMALL]
+        for model, asked in (("vggt", "--oracle vggt: VGGT"), ("seva", "--proposers seva: Stable Virtual Camera")):
+            numbers = 300_000_000  # a hole in the file
+            header = json.dumps({"x": {"dtype": "F32", "shape": [numbers], "data_offsets": [0, 4 * numbers]}}).encode()
+            with open(models / model / "model.safetensors", "wb") as file:
+                file.write(len(header).to_bytes(8, "little") + header)
+                file.truncate(8 + len(header) + 4 * numbers)
+            self.error_of(*arguments, code=2, names=[f"{asked} would compute on the CPU", "CUDA", "--device cpu"], **env)
+        self.assertFalse(out.exists())
+
+    def test_too_little_is_told_before_anything_is_computed(self):
+        out = self.dir / "too_many"
+        many = ["--views", 0, "--seva-frames", 12, "--seva-short-side", 64, "--set", "seva-steps=2"]
+        self.error_of("reconstruct", self.scene, "-o", out, "--preset", "paper", *many, code=2,
+                      names=["20 photos leave no room in chunks of 12 frames", "--seva-frames must be at least 22"],
+                      **self.with_models)  # fmt: skip
+        # No machine has the memory for so much at once.
+        huge = ["--seva-frames", 1000, "--seva-short-side", 4096, "--set", "seva-halves=batched"]
+        self.error_of("reconstruct", self.scene, "-o", out, "--preset", "paper", *huge, code=4,
+                      names=["seva needs about", "less is needed with --set seva-halves=in-turn"], **self.with_models)  # fmt: skip
+        self.assertFalse(out.exists())
 
     def test_three_images_and_no_depth_are_enough_for_a_generator(self):
         out = self.dir / "three"

@@ -10,7 +10,7 @@ from harness import ROOT, EndToEnd, main
 PRESETS = sorted((ROOT / "presets").glob("*.toml"))
 # A line or an equation of the paper, a file of its authors or of the code that they build on; or the list below the table.
 SOURCE = r"^(Blender: )?(L\d+|eq\. \d|((mcmc|seva|3dgs) )?`[a-z_]+(\.py)?`|`README.md`|ours, see below)([,;] |$)"
-PAPER = ["paper-mipnerf360-12", "paper-mipnerf360-24", "paper-blender-8"]
+PAPER = ["paper-mipnerf360-12", "paper-mipnerf360-24", "paper-blender-8", "paper"]
 
 
 def preset(name):
@@ -38,7 +38,7 @@ def same(a, b):
 class Presets(EndToEnd):
     def test_the_papers_are_the_paper(self):
         text = (ROOT / "docs/method.md").read_text().partition("\n## paper presets\n")[2].partition("\n## ")[0]
-        rows = re.findall(r"^\| (.+?) \| (.+?) \| (.+?) \| `--(?:set )?([a-z0-9-]+)` \| (\S+) \| (\S+) \| (\S+) \|$", text, re.M)
+        rows = re.findall(r"^\| (.+?) \| (.+?) \| (.+?) \| `--(?:set )?([a-z0-9-]+)` \| (\S+) \| (\S+) \| (\S+) \| (\S+) \|$", text, re.M)
         self.assertEqual(len(rows), len(re.findall(r"(?m)^\| .*`--", text)))
         usual = defaults()
         given = [preset(name) for name in PAPER]
@@ -52,6 +52,13 @@ class Presets(EndToEnd):
         listed = {option for _, _, _, option, *_ in rows}
         for name, options in zip(PAPER, given, strict=True):
             self.assertEqual(set(options) - listed - {"train-views", "test-views", "force"}, set(), f"{name}: not in the table")
+
+    def test_own_photos_get_all_that_is_no_datasets(self):
+        own, dataset = preset("paper"), preset("paper-mipnerf360-12")
+        self.assertEqual({option for option, value in dataset.items() if own.get(option) != value},
+                         {"views", "test-every", "resize", "downscale", "smaller-copies", "trajectory", "proposals", "frame",
+                          "sfm-points", "force"})  # fmt: skip
+        self.assertEqual(set(own) - set(dataset), set())
 
     def test_published_splits(self):
         blender = preset("paper-blender-8")

@@ -1,5 +1,6 @@
 #include "oraclegs/experiments/ablation_rows.h"
 #include "experiments/paper_tables.h"
+#include "oraclegs/baselines/methods.h"
 #include "oraclegs/experiments/bench/suites.h"
 
 #include <gmock/gmock.h>
@@ -59,6 +60,40 @@ TEST(AblationRows, BeginWithMcmcAlone) {
   EXPECT_EQ(first.start.seed, 4u);
 }
 
+/// The training of a row without the sizes, which all rows share, and without what proposals and depth do to it.
+nlohmann::json McmcOptions(const AutoTrainOptions& train) {
+  nlohmann::json json = OptionsToJson(train);
+  for (const char* left_out :
+       {"iterations", "horizon", "max-gaussians", "schedule", "synthetic-floor", "synthetic-peak", "proposal-ssim",
+        "proposal-lpips", "confidence-power", "depth-weight", "depth-loss"}) {
+    json.erase(left_out);
+  }
+  return json;
+}
+
+TEST(AblationRows, TrainAs3dgsMcmcsAuthorsUntilTheRegularizers) {
+  RunOptions usual, other;
+  usual.train.iterations = other.train.iterations = 4000, other.train.horizon = 30000, other.train.max_gaussians = 77;
+  AutoTrainOptions& t = other.train;
+  t.rate_scale = 3, t.sh_moments = ShMoments::kCompact, t.refine_start = 7, t.refine_every = 9, t.refine_stop = 0.1;
+  t.sh_degree = 1, t.sh_degree_interval = 11, t.opacity_reg = t.scale_reg = 0.5, t.antialiased = true;
+  t.ssim_weight = 0.7, t.random_points = 123, other.start.init_opacity = 0.7;
+  t.depth_loss = DepthLoss::kPaper, t.synthetic_floor = 0.3;
+  for (const RunOptions& asked : {usual, other}) {
+    for (size_t row = 0; row < AblationRows().size(); ++row) {
+      const RunOptions options = RowOptions(row, asked);
+      const bool own = row >= 8;
+      EXPECT_EQ(McmcOptions(options.train) == McmcOptions(Published3dgs()), !own) << AblationRows()[row].name;
+      EXPECT_EQ(options.train.iterations, asked.train.iterations);
+      EXPECT_EQ(options.train.horizon, asked.train.horizon);
+      EXPECT_EQ(options.train.max_gaussians, asked.train.max_gaussians);
+      EXPECT_EQ(options.train.synthetic_floor, asked.train.synthetic_floor);
+      EXPECT_EQ(options.start.init_opacity, row < 7 ? 0.5 : asked.start.init_opacity);
+      EXPECT_EQ(options.train.depth_loss, asked.train.depth_loss);
+    }
+  }
+}
+
 TEST(AblationRows, BeginWithThePapersInItsOrder) {
   std::vector<std::string> names;
   for (const AblationRow& row : AblationRows()) names.push_back(row.name);
@@ -68,8 +103,10 @@ TEST(AblationRows, BeginWithThePapersInItsOrder) {
   paper.validate.calibrate = false, paper.start.init = StartKind::kSfm, paper.start.init_scale = 0.1,
   paper.propose.proposers = std::string("seva");
   AutoTrainOptions& t = paper.train;
-  t.schedule = ScheduleKind::kPaper, t.exposure = ExposureMode::kOff;
-  t.dropout = 0, t.opacity_noise = 0, t.last_rates = 1, t.largest_scale = 0, t.alpha_weight = 0;
+  t.schedule = ScheduleKind::kPaper, t.exposure = ExposureMode::kOff, t.iterations = 15000, t.horizon = 30000;
+  t.dropout = 0, t.opacity_noise = 0, t.rate_scale = t.last_rates = 1, t.largest_scale = 0, t.alpha_weight = 0;
+  t.refine_start = 500, t.refine_every = 100, t.sh_degree_interval = 1000, t.sh_moments = ShMoments::kFull;
+  t.depth_loss = DepthLoss::kPaper;
   EXPECT_EQ(Shaping(6, paper), ShapingOptionsToJson(paper)) << "the paper's preset is the last of its rows";
   EXPECT_EQ(Shaping(10, paper), Shaping(6, paper));
 }
@@ -159,6 +196,9 @@ TEST(RequireAblatable, RefusesOptionsThatContradictTheRows) {
     other.start.init = init;
     EXPECT_THAT(MessageOf<UsageError>([&] { RequireAblatable(other); }), HasSubstr("--init " + Word(init)));
   }
+  RunOptions generated;
+  generated.propose.proposers = std::string("seva");
+  EXPECT_THAT(MessageOf<InputError>([&] { RequireAblatable(generated); }), HasSubstr("oraclegs models fetch seva"));
 }
 
 TEST(PublishedSteps, HasEachNumberOfTheTableAsPrinted) {

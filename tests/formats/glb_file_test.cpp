@@ -2,7 +2,7 @@
 
 #include "formats/glb_edit.h"
 #include "formats/splats.h"
-#include "oraclegs/formats/gltf.h"
+#include "oraclegs/formats/codecs.h"
 
 namespace oraclegs {
 namespace {

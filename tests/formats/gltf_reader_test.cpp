@@ -1,4 +1,4 @@
-#include "oraclegs/formats/gltf.h"
+#include "oraclegs/formats/codecs.h"
 
 #include <nlohmann/json.hpp>
 
@@ -196,5 +196,4 @@ TEST(ColorsFromLinear, ChangesWithTheDirectionAsTheCurveDoes) {
 }
 
 }  // namespace
-
 }  // namespace oraclegs

@@ -1,4 +1,4 @@
-#include "oraclegs/formats/gltf.h"
+#include "oraclegs/formats/codecs.h"
 
 #include "formats/splats.h"
 #include "oraclegs/formats/glb_file.h"

@@ -1,4 +1,4 @@
-#include "oraclegs/formats/sog.h"
+#include "oraclegs/formats/codecs.h"
 
 #include <nlohmann/json.hpp>
 

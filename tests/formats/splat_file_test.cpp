@@ -6,7 +6,7 @@
 
 #include "formats/splats.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/formats/sog.h"
+#include "oraclegs/formats/codecs.h"
 #include "oraclegs/formats/zip_archive.h"
 #include "support/event_recorder.h"
 #include "support/temp_dir.h"

@@ -2,8 +2,8 @@
 
 #include "formats/splats.h"
 #include "formats/spz_version4.h"
+#include "oraclegs/formats/codecs.h"
 #include "oraclegs/formats/gzip.h"
-#include "oraclegs/formats/spz.h"
 
 namespace oraclegs {
 namespace {

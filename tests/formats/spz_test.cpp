@@ -1,4 +1,4 @@
-#include "oraclegs/formats/spz.h"
+#include "oraclegs/formats/codecs.h"
 
 #include "formats/splats.h"
 #include "oraclegs/formats/gzip.h"

@@ -2,7 +2,7 @@
 // zip, whose frame a fuzzer seldom guesses.
 
 #include "fuzz/fuzz.h"
-#include "oraclegs/weights/checkpoint/pickle_machine.h"
+#include "oraclegs/weights/checkpoint/pickle_heap.h"
 #include "oraclegs/weights/checkpoint/state_dict.h"
 #include "oraclegs/weights/checkpoint/torch_file.h"
 #include "oraclegs/weights/checkpoint/zip_directory.h"

@@ -2,7 +2,6 @@
 
 #include "fuzz/fuzz.h"
 #include "oraclegs/image/exif.h"
-#include "oraclegs/image/exif_tags.h"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // glTF: a .glb as it is, or its JSON and its bytes as two parts, the second packed by gzip where the JSON names SPZ.
 
 #include "fuzz/fuzz.h"
-#include "oraclegs/formats/gltf.h"
+#include "oraclegs/formats/codecs.h"
 
 namespace {
 

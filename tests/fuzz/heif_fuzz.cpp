@@ -3,7 +3,7 @@
 #include "fuzz/fuzz.h"
 #include "fuzz/images.h"
 #include "oraclegs/image/codecs.h"
-#include "oraclegs/image/exif_tags.h"
+#include "oraclegs/image/exif.h"
 
 ORACLEGS_FUZZ_TARGET(heif) {
   using namespace oraclegs;

@@ -4,7 +4,6 @@
 #include "fuzz/images.h"
 #include "oraclegs/image/codecs.h"
 #include "oraclegs/image/exif.h"
-#include "oraclegs/image/exif_tags.h"
 
 ORACLEGS_FUZZ_TARGET(jpeg) {
   using namespace oraclegs;

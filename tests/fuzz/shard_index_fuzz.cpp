@@ -2,7 +2,7 @@
 
 #include "fuzz/fuzz.h"
 #include "oraclegs/core/safetensors.h"
-#include "oraclegs/core/shard_index.h"
+#include "oraclegs/core/safetensors_layout.h"
 
 ORACLEGS_FUZZ_TARGET(shard_index) {
   using namespace oraclegs;

@@ -1,7 +1,7 @@
 // SOG: a zip as it is, or a meta.json followed by the pixels that all of its images have.
 
 #include "fuzz/fuzz.h"
-#include "oraclegs/formats/sog.h"
+#include "oraclegs/formats/codecs.h"
 #include "oraclegs/formats/webp.h"
 #include "oraclegs/formats/zip_archive.h"
 

@@ -1,7 +1,7 @@
 // .splat, and the choice of a reader by the end of a name, which is the first line of the bytes.
 
 #include "fuzz/fuzz.h"
-#include "oraclegs/formats/splat.h"
+#include "oraclegs/formats/codecs.h"
 #include "oraclegs/formats/splat_file.h"
 
 ORACLEGS_FUZZ_TARGET(splat) {

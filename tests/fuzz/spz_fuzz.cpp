@@ -1,7 +1,7 @@
 // SPZ: a file as it is, and what gzip has packed in one.
 
 #include "fuzz/fuzz.h"
-#include "oraclegs/formats/spz.h"
+#include "oraclegs/formats/codecs.h"
 
 ORACLEGS_FUZZ_TARGET(spz) {
   using namespace oraclegs;

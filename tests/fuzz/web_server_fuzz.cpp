@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "fuzz/fuzz.h"
-#include "oraclegs/web/limited_server.h"
+#include "oraclegs/web/connection.h"
 
 namespace {
 

@@ -8,7 +8,6 @@
 #include "oraclegs/settings/named_options.h"
 #include "oraclegs/settings/run_size.h"
 #include "oraclegs/stages/metrics.h"
-#include "oraclegs/stages/stage_table.h"
 #include "oraclegs/workspace/advice.h"
 #include "oraclegs/workspace/frame_file.h"
 #include "oraclegs/workspace/non_commercial.h"

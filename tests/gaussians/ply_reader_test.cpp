@@ -1,4 +1,4 @@
-#include "oraclegs/gaussians/ply_reader.h"
+#include "oraclegs/gaussians/ply_header.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "oraclegs/camera/camera_path.h"
-#include "oraclegs/core/find_program.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/mesh/surface_view.h"
 
 #define SKIP_WITHOUT_OPENVDB() \

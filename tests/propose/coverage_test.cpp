@@ -1,4 +1,4 @@
-#include "oraclegs/propose/coverage.h"
+#include "oraclegs/propose/trajectory.h"
 
 #include <gtest/gtest.h>
 

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/transforms.h"
 #include "propose/rigs.h"
@@ -12,7 +13,6 @@
 
 namespace oraclegs {
 namespace {
-
 using nlohmann::json;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -107,6 +107,38 @@ TEST_F(ProposalFilesTest, RefusesDamagedTargets) {
     WriteText(dir_ / "transforms.json", text.substr(0, n));
     EXPECT_THROW(ReadTargets(dir_.path()), InputError) << n;
   }
+}
+
+Target StoredTarget(const std::string& name, int width) {
+  Target target{name, {}};
+  target.camera.width = width, target.camera.height = 3;
+  return target;
+}
+
+TEST(StoredProposer, AnswersWithTheFilesOfItsSource) {
+  const TempDir dir;
+  WritePng(dir / "seva" / "view.png", Image8{4, 3, 3, std::vector<uint8_t>(36, 255)});
+  const StoredProposer proposer(dir.path(), "seva");
+  const auto proposal = proposer.Propose(StoredTarget("view", 4), std::nullopt);
+  ASSERT_TRUE(proposal);
+  EXPECT_EQ(proposal->source, "seva");
+  EXPECT_EQ(proposal->rgb.data, std::vector<float>(36, 1.f));
+  EXPECT_FALSE(proposer.Propose(StoredTarget("other", 4), std::nullopt));
+  EXPECT_FALSE(StoredProposer(dir.path(), "command").Propose(StoredTarget("view", 4), std::nullopt));
+}
+
+TEST(StoredProposer, CannotHoldAViewOut) {
+  const TempDir dir;
+  WritePng(dir / "seva" / "view.png", Image8{4, 3, 3, std::vector<uint8_t>(36)});
+  EXPECT_FALSE(StoredProposer(dir.path(), "seva").Propose(StoredTarget("view", 4), 2));
+}
+
+TEST(StoredProposer, RefusesAnImageOfAnotherSize) {
+  const TempDir dir;
+  WritePng(dir / "seva" / "view.png", Image8{4, 3, 3, std::vector<uint8_t>(36)});
+  EXPECT_THAT(
+      MessageOf<InputError>([&] { StoredProposer(dir.path(), "seva").Propose(StoredTarget("view", 5), std::nullopt); }),
+      testing::HasSubstr("is 4 x 3 with 3 channels, not 5 x 3"));
 }
 
 }  // namespace

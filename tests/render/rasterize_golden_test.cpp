@@ -40,6 +40,38 @@ TEST_P(RasterizeGolden, GradientsMatch) {
   });
 }
 
+TEST_P(RasterizeGolden, CameraGradientFollowsFromTheGaussians) {
+  GoldenScene f;
+  f.Select(variant());
+  auto rasterizer = MakeRasterizer(kCpu);
+  rasterizer->WatchCamera(true);
+  rasterizer->Forward(f.gaussians, f.camera, f.options, RenderPass::kTrain);
+  Gaussians grads = Gaussians::Zeros(f.gaussians.size());
+  rasterizer->Backward(f.gaussians, f.upstream, &grads);
+  const CameraGradient gradient = rasterizer->camera_gradient();
+  // The image stays the same when camera and Gaussians move as one.
+  const Eigen::ArrayXXd of_means = Table(GoldenDouble(f.file, variant() + ".grad_means"));
+  const Eigen::ArrayXXd of_quats = Table(GoldenDouble(f.file, variant() + ".grad_quats"));
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero(), turn = Eigen::Vector3d::Zero();
+  double size = 0;
+  for (int64_t i = 0; i < f.gaussians.size(); ++i) {
+    const auto row = [](const Buffer<float>& values, int64_t first) {
+      return Eigen::Map<const Eigen::Vector3f>(values.data() + first).cast<double>();
+    };
+    const Eigen::Vector3d arm = row(f.gaussians.means, 3 * i) - f.camera.Center(), g = of_means.row(i).matrix();
+    const Eigen::Vector3d axis = row(f.gaussians.quats, 4 * i + 1), g_axis = of_quats.row(i).tail(3).matrix();
+    shift += g;
+    turn += arm.cross(g) + 0.5 * (f.gaussians.quats[4 * i] * g_axis - of_quats(i, 0) * axis + axis.cross(g_axis));
+    size += g.norm();
+  }
+  const Eigen::Matrix3d rotation = f.camera.cam_from_world.linear();
+  EXPECT_LE((gradient.translation - rotation * shift).norm(), 2e-5 * size);
+  // Colors of degree 0 do not turn.
+  if (f.options.sh_degree == 0) {
+    EXPECT_LE((gradient.rotation - rotation * turn).norm(), 2e-4 * turn.norm());
+  }
+}
+
 std::vector<int64_t> Targets() { return hwy::SupportedAndGeneratedTargets(); }
 
 INSTANTIATE_TEST_SUITE_P(EveryTarget, RasterizeGolden,

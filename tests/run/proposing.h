@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "oraclegs/stages/propose_stage.h"
+#include "oraclegs/stages/stage_works.h"
 #include "run/fixtures.h"
 #include "support/event_recorder.h"
 #include "support/temp_dir.h"

@@ -77,5 +77,12 @@ TEST_F(EstimateTest, MemoryGrowsWithPixels) {
   EXPECT_LT(EstimateRunMemory(Input(options)), int64_t{4} << 30);
 }
 
+TEST(CpuSlowness, IsMeasuredOnce) {
+  const double slowness = CpuSlowness();
+  EXPECT_GT(slowness, 0);
+  EXPECT_EQ(CpuSlowness(), slowness);
+}
+
 }  // namespace
+
 }  // namespace oraclegs

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/networks/loader.h"
 
 namespace oraclegs {
 namespace {
@@ -77,6 +78,7 @@ class FakeNetworks : public Networks {
   }
   PoseEstimate EstimatePoses(const PoseRequest&, const Listener&) const override { return {}; }
   std::unique_ptr<ViewGenerator> LoadViewGenerator(const ViewGeneratorRequest&) const override { return nullptr; }
+  void RequireMemoryToGenerate(const ViewGeneratorRequest&, seva::Size) const override {}
 
  private:
   bool cuda_;
@@ -91,6 +93,19 @@ TEST(DeviceTest, NetworksFallBackToTheCpuWithAWarning) {
   EXPECT_TRUE(warnings.empty());
   EXPECT_EQ(DeviceOfNetworks(FakeNetworks(false), gpu, listener), kCpu);
   EXPECT_THAT(warnings, testing::ElementsAre(AllOf(HasSubstr("networks compute on the CPU"), HasSubstr("libtorch"))));
+}
+
+TEST(DeviceTest, SaysWhyNetworksComputeOnACpuThatNobodyAskedFor) {
+  EXPECT_EQ(WhyNetworksOnCpu("cpu", kCpu, kNone), "");
+  EXPECT_THAT(WhyNetworksOnCpu("auto", kCpu, kNone), AllOf(HasSubstr("-DORACLEGS_CUDA=ON"), HasSubstr("libtorch")));
+  EXPECT_EQ(WhyNetworksOnCpu("auto", kCpu, {true, 0}), "this machine has no NVIDIA GPU with a working driver");
+  if (!HasNetworksLibrary()) return;
+  const std::string beside_gpu = WhyNetworksOnCpu("auto", {DeviceKind::kCuda, 0}, kTwoGpus);
+  if (GetNetworks().has_cuda()) {
+    EXPECT_EQ(beside_gpu, "");
+  } else {
+    EXPECT_THAT(beside_gpu, AllOf(HasSubstr("libtorch"), HasSubstr("CMAKE_PREFIX_PATH")));
+  }
 }
 
 TEST(DeviceTest, ThisMachineHasSomeDevice) { EXPECT_NO_THROW(ChooseDevice("auto", ProbeDevices())); }

@@ -158,6 +158,35 @@ TEST(MakePlan, WithoutTheLibraryTakesWhatNeedsNoNetwork) {
   EXPECT_THAT(recorder.notes, ElementsAre(AllOf(HasSubstr("without VGGT"), HasSubstr("/nowhere/x.so"))));
 }
 
+TEST(MakePlan, LeavesLargeNetworksToAGpuUnlessTheCpuIsAskedFor) {
+  SKIP_WITHOUT_NETWORKS();
+  const TempDir dir;
+  const ModelsAt models(dir / "models");
+  for (const char* model : {"seva", "vggt"}) WriteLargeWeights(dir / "models" / model / "model.safetensors");
+  const DeviceSupport support = ProbeDevices();
+  const bool on_cpu = !WhyNetworksOnCpu("auto", ChooseDevice("auto", support), support).empty();
+  const auto refusal = [](const RunOptions& options) {
+    return MessageOf<UsageError>([&] { MakePlan(options, true); });
+  };
+  RunOptions seva = With(OracleKind::kConsistency), vggt = With(OracleKind::kVggt);
+  seva.propose.proposers = std::string("warp,seva");
+  EXPECT_EQ(refusal(seva).starts_with("--proposers seva: Stable Virtual Camera would compute on the CPU, for days: "),
+            on_cpu);
+  EXPECT_EQ(refusal(vggt).starts_with("--oracle vggt: VGGT would compute on the CPU, for hours: "), on_cpu);
+  EXPECT_EQ(MakePlan(With({}), true).oracle.kind, on_cpu ? OracleKind::kConsistency : OracleKind::kVggtAndConsistency);
+  EventRecorder recorder;
+  ReportOracleChoice(With({}), MakePlan(With({}), true).oracle, recorder.AsListener());
+  ASSERT_EQ(recorder.notes.size(), 1u);
+  EXPECT_EQ(recorder.notes[0].ends_with(", or accept the CPU with --device cpu"), on_cpu);
+  for (RunOptions* options : {&seva, &vggt}) {
+    options->device.device = "cpu";
+    EXPECT_EQ(refusal(*options), "");
+  }
+  WriteTinyNetworks(dir / "models");
+  seva.device.device = "auto";
+  EXPECT_EQ(refusal(seva), "") << "small networks are quick anywhere";
+}
+
 TEST(MakePlan, RefusesNetworksWithoutTheLibrary) {
   const TempDir dir;
   const ModelsAt models(dir / "models");

@@ -15,7 +15,6 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/sfm/colmap_database.h"
 #include "oraclegs/sfm/register_views.h"
-#include "oraclegs/sfm/triangulate.h"
 #include "scene/tiny_scenes.h"
 #include "support/temp_dir.h"
 #include "support/textured_planes.h"

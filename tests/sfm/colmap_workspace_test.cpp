@@ -14,7 +14,7 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/scene/colmap_files.h"
 #include "oraclegs/scene/colmap_model.h"
-#include "oraclegs/sfm/triangulate.h"
+#include "oraclegs/sfm/register_views.h"
 #include "scene/tiny_scenes.h"
 #include "support/errors.h"
 #include "support/event_recorder.h"

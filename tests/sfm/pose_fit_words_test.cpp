@@ -1,4 +1,4 @@
-#include "oraclegs/sfm/pose_fit_words.h"
+#include "oraclegs/sfm/pose_fit.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -11,7 +11,6 @@
 #include "oraclegs/image/codecs.h"
 #include "oraclegs/image/image.h"
 #include "oraclegs/sfm/register_views.h"
-#include "oraclegs/sfm/triangulate.h"
 #include "support/errors.h"
 #include "support/temp_dir.h"
 #include "support/textured_planes.h"

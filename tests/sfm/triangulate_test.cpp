@@ -1,4 +1,4 @@
-#include "oraclegs/sfm/triangulate.h"
+#include "oraclegs/sfm/register_views.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "oraclegs/stages/depth_stage.h"
+#include "oraclegs/stages/stage_works.h"
 
 #include "oraclegs/depth/depth_files.h"
 #include "oraclegs/settings/device.h"

@@ -10,9 +10,7 @@
 
 namespace oraclegs {
 namespace {
-
 using testing::HasSubstr;
-
 using EvaluateStageTest = TrainedTest;
 
 TEST_F(EvaluateStageTest, ScoresLpipsInBothConventions) {
@@ -54,6 +52,29 @@ TEST_F(EvaluateStageTest, ScoresAPointCloudThatWasReplaced) {
   EvaluateRun(&run);
   EXPECT_THAT(recorder.started, testing::ElementsAre("evaluate"));
   EXPECT_NE(ReadMetrics(replaced.out).at("test"), metrics->at("test"));
+}
+
+using testing::Contains;
+
+using TestScoreTest = TrainedTest;
+
+TEST_F(TestScoreTest, IsThatOfMetricsJson) {
+  oraclegs::Run run = OpenRun(*request, Silent());
+  EXPECT_FALSE(TestScoreOf(run).IsDue(10, 10));
+  run.options.checkpoints.eval_every = 10;
+  const TestScore score = TestScoreOf(run);
+  EXPECT_TRUE(score.IsDue(20, 25) && score.IsDue(25, 25));
+  EXPECT_FALSE(score.IsDue(0, 25) || score.IsDue(21, 25));
+  const Gaussians gaussians = LoadModel(run.workspace.point_cloud(), run.options, kCpu, run.frame).gaussians;
+  EXPECT_DOUBLE_EQ(score.psnr(gaussians), metrics->at("test").at("psnr").get<double>());
+}
+
+TEST_F(TestScoreTest, NeedsTestViews) {
+  oraclegs::Run run = OpenRun(*request, recorder.AsListener());
+  run.options.checkpoints.eval_every = 10;
+  run.split.test.clear();
+  EXPECT_EQ(TestScoreOf(run).every, 0);
+  EXPECT_THAT(recorder.warnings, Contains(HasSubstr("--eval-every: there are no test views")));
 }
 
 }  // namespace

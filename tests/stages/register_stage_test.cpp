@@ -1,4 +1,4 @@
-#include "oraclegs/stages/register_stage.h"
+#include "oraclegs/stages/stage_works.h"
 
 #include "run/fixtures.h"
 #include "run/weights.h"

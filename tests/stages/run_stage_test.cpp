@@ -1,9 +1,9 @@
-#include "oraclegs/stages/run_stage.h"
+#include "oraclegs/stages/stage.h"
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/stages/metrics.h"
 #include "oraclegs/stages/stage_clock.h"
-#include "oraclegs/stages/stage_table.h"
 #include "oraclegs/workspace/stage_records.h"
 #include "run/fixtures.h"
 #include "support/event_recorder.h"

@@ -1,4 +1,4 @@
-#include "oraclegs/stages/sfm_stage.h"
+#include "oraclegs/stages/stage_works.h"
 
 #include "run/fixtures.h"
 #include "support/event_recorder.h"

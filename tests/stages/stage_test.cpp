@@ -1,5 +1,7 @@
 #include "oraclegs/stages/stage.h"
 
+#include <gtest/gtest.h>
+
 #include "run/fixtures.h"
 #include "support/event_recorder.h"
 #include "support/temp_dir.h"
@@ -35,6 +37,17 @@ TEST(LargerViews, AreReadWhereTheWorkingSizeHasTooFewPixels) {
   EXPECT_EQ(larger->front().name, ViewsOf(&run).views.front().name);
   run.plan.image.downscale = 1;
   EXPECT_FALSE(LargerViews(run, 100)) << "the files have no more";
+}
+
+TEST(Geometry, FreesColorsOfExposuresThatVary) {
+  Geometry geometry;
+  EXPECT_FALSE(geometry.HasVariedExposure());
+  geometry.gains.assign(4, Eigen::Vector3f::Constant(1.01f));
+  EXPECT_FALSE(geometry.HasVariedExposure());
+  EXPECT_TRUE(FusionOf(geometry.gains).gains.empty());
+  geometry.gains[1] = Eigen::Vector3f::Constant(1.5f);
+  EXPECT_TRUE(geometry.HasVariedExposure());
+  EXPECT_EQ(FusionOf(geometry.gains).gains.size(), 4u);
 }
 
 }  // namespace

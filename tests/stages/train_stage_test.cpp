@@ -1,4 +1,4 @@
-#include "oraclegs/stages/train_stage.h"
+#include "oraclegs/stages/stage_works.h"
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/image/codecs.h"

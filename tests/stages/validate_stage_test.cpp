@@ -1,4 +1,4 @@
-#include "oraclegs/stages/validate_stage.h"
+#include "oraclegs/stages/stage_works.h"
 
 #include "oraclegs/image/codecs.h"
 #include "oraclegs/workspace/non_commercial.h"

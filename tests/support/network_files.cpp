@@ -48,6 +48,17 @@ void WriteTinyNetworks(const fs::path& models) {
   CopyModels(models, {"vggt", "depth-anything-v2-small", "lpips-vgg"});
 }
 
+fs::path WriteLargeWeights(const fs::path& path) {
+  constexpr uintmax_t kBytes = 1'200'000'000;
+  std::string header =
+      fmt::format(R"({{"x":{{"dtype":"F32","shape":[{}],"data_offsets":[0,{}]}}}})", kBytes / 4, kBytes);
+  header.resize((header.size() + 7) / 8 * 8, ' ');
+  const uint64_t length = header.size();
+  WriteFileAtomically(path, std::string(reinterpret_cast<const char*>(&length), sizeof(length)) + header);
+  fs::resize_file(path, sizeof(length) + header.size() + kBytes);
+  return path;
+}
+
 fs::path WriteTinyVggt(const fs::path& path, const std::function<void(TinyVggtParts*)>& change) {
   const SafetensorsFile golden = OpenGolden("vggt_tiny");
   const std::string prefix = "weights.";

@@ -29,6 +29,10 @@ void WriteTinySeva(const std::filesystem::path& models);
 /// Files of all networks of the paper's pipeline, as `oraclegs models` stores them.
 void WriteTinyNetworks(const std::filesystem::path& models);
 
+/// A file of 1.2 GB that takes no room and holds zeros: as large as a network that takes hours on a CPU. Returns
+/// `path`.
+std::filesystem::path WriteLargeWeights(const std::filesystem::path& path);
+
 /// VGGT: the weights of tests/golden/vggt_tiny as a file of their own, under the official names and with its metadata;
 /// `change` may alter both. Needs no libtorch.
 struct TinyVggtParts {

@@ -1,5 +1,11 @@
 #include "oraclegs/train/schedule.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "oraclegs/train/densify.h"
 #include "oraclegs/train/options.h"
 #include "support/golden.h"
 
@@ -85,6 +91,38 @@ TEST(ScheduleTest, ExposureRateFallsTenfold) {
   EXPECT_NEAR(ExposureLearningRate(0, 1000), 1e-2, 1e-9);
   EXPECT_NEAR(ExposureLearningRate(500, 1000), std::sqrt(1e-5), 1e-9);
   EXPECT_NEAR(ExposureLearningRate(1000, 1000), 1e-3, 1e-9);
+}
+
+TrainOptions ToHundred() {
+  TrainOptions options;
+  options.iterations = 100;
+  options.refine_start = 30, options.refine_every = 10, options.refine_stop = 0.7;
+  return options;
+}
+
+template <class F>
+std::vector<int> Iterations(const F& holds) {
+  std::vector<int> iterations;
+  for (int i = 1; i <= 110; ++i) {
+    if (holds(i)) iterations.push_back(i);
+  }
+  return iterations;
+}
+
+TEST(Refines, BetweenStartAndStop) {
+  TrainOptions options = ToHundred();
+  const auto refines = [&](int i) { return options.Refines(i); };
+  EXPECT_THAT(Iterations(refines), testing::ElementsAre(40, 50, 60));
+  options.refine_stop = 1;
+  EXPECT_THAT(Iterations(refines), testing::ElementsAre(40, 50, 60, 70, 80, 90)) << "never after the last one";
+}
+
+TEST(IsBeforeRefineStop, EndsWithTheLastIteration) {
+  TrainOptions options = ToHundred();
+  const auto before = [&](int i) { return options.IsBeforeRefineStop(i); };
+  EXPECT_EQ(Iterations(before).back(), 69);
+  options.refine_stop = 1;
+  EXPECT_EQ(Iterations(before).back(), 99);
 }
 
 }  // namespace

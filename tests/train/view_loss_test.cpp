@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "oraclegs/loss/masked_l1.h"
+#include "oraclegs/loss/depth_losses.h"
 #include "oraclegs/train/schedule.h"
 #include "support/buffers.h"
 #include "support/errors.h"

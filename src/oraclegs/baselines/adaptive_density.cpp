@@ -243,7 +243,7 @@ void ResetOpacities(double most, Gaussians* gaussians, Adam* adam) {
 bool ResetsOpacities(const BaselineSettings& settings, const TrainOptions& options, bool is_background_white,
                      int64_t iteration) {
   const int64_t every = settings.opacity_reset, first = settings.opacity_reset_first.value_or(settings.opacity_reset);
-  if (every == 0 || !IsBeforeRefineStop(options, iteration)) return false;
+  if (every == 0 || !options.IsBeforeRefineStop(iteration)) return false;
   const bool is_start = is_background_white && !settings.opacity_reset_first && iteration == options.refine_start;
   return is_start || (iteration >= first && (iteration - first) % every == 0);
 }

@@ -1,7 +1,7 @@
 #include "oraclegs/baselines/correlated_depth.h"
 
 #include "oraclegs/baselines/depth_steps.h"
-#include "oraclegs/loss/pearson_depth.h"
+#include "oraclegs/loss/depth_losses.h"
 
 namespace oraclegs {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 // Depth that correlates with that of the photos: FSGS [Zhu 2024] (section 3.3) over the image, SparseGS [Xiong 2023]
-// also over random patches. Inverse depths are compared (loss/pearson_depth.h).
+// also over random patches. Inverse depths are compared (loss/depth_losses.h).
 
 #include <vector>
 

@@ -3,14 +3,14 @@
 // own, and nothing else. Order and constants are those of the authors' program.
 //
 // The loss compares inverse depths, rendered and of the photo. A network's depth is an inverse depth up to a factor and
-// an offset, which the normalization of the loss removes (loss/normalized_depth.h); DNGaussian renders a depth and
+// an offset, which the normalization of the loss removes (loss/depth_losses.h); DNGaussian renders a depth and
 // inverts the network's. Not implemented: its learning rate of positions, which begins to fall late, and its colors
 // from a grid of features and a network.
 
 #include <memory>
 
 #include "oraclegs/baselines/baseline_setup.h"
-#include "oraclegs/loss/normalized_depth.h"
+#include "oraclegs/loss/depth_losses.h"
 
 namespace oraclegs {
 

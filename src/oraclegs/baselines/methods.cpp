@@ -12,7 +12,7 @@
 #include "oraclegs/baselines/settings.h"
 #include "oraclegs/baselines/two_fields.h"
 #include "oraclegs/core/text.h"
-#include "oraclegs/loss/pearson_depth.h"
+#include "oraclegs/loss/depth_losses.h"
 
 namespace oraclegs {
 namespace {

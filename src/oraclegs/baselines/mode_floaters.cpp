@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "oraclegs/baselines/dip_statistic.h"
 #include "oraclegs/train/train_device.h"
 
 namespace oraclegs {

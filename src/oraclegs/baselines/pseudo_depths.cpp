@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "oraclegs/baselines/pseudo_views.h"
-#include "oraclegs/loss/pearson_depth.h"
+#include "oraclegs/loss/depth_losses.h"
 #include "oraclegs/render/render.h"
 #include "oraclegs/train/loss_terms.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 // Pseudo-view depth of FSGS [Zhu 2024] (section 3.3): renders from places between the photos should have the depth that
 // a network sees in them. Order and constants are those of the authors' program, except for the views
-// (baselines/pseudo_views.h) and for comparing inverse depths (loss/pearson_depth.h).
+// (baselines/pseudo_views.h) and for comparing inverse depths (loss/depth_losses.h).
 
 #include <memory>
 #include <vector>

@@ -25,4 +25,13 @@ Eigen::Isometry3d Moved(const Eigen::Isometry3d& cam_from_world, const Similarit
   return moved;
 }
 
+Eigen::Isometry3d Nudged(const Eigen::Isometry3d& cam_from_world, const Eigen::Vector3d& turn,
+                         const Eigen::Vector3d& shift) {
+  const double angle = turn.norm();
+  Eigen::Isometry3d step = Eigen::Isometry3d::Identity();
+  if (angle > 0) step.linear() = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+  step.translation() = shift;
+  return step * cam_from_world;
+}
+
 }  // namespace oraclegs

@@ -23,4 +23,9 @@ struct Similarity {
 /// Pose of a camera whose world is moved: it sees the moved world as it saw the old one, with lengths times the scale.
 Eigen::Isometry3d Moved(const Eigen::Isometry3d& cam_from_world, const Similarity& transform);
 
+/// Pose of a camera that turns about its center, before which everything shifts then: a point x of its frame becomes
+/// Exp(turn) x + shift. `turn`: axis times angle, radians; both in camera axes.
+Eigen::Isometry3d Nudged(const Eigen::Isometry3d& cam_from_world, const Eigen::Vector3d& turn,
+                         const Eigen::Vector3d& shift);
+
 }  // namespace oraclegs

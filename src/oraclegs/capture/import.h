@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "oraclegs/core/options.h"
 #include "oraclegs/core/progress.h"
 
 namespace oraclegs {
@@ -21,5 +22,17 @@ void CheckInputs(const std::vector<std::filesystem::path>& inputs);
 /// Throws as CheckInputs, also for more than kMaxPhotos, and RunError when the disk is full.
 void ImportPhotos(const std::vector<std::filesystem::path>& inputs, int frames, const std::filesystem::path& dir,
                   const Listener& listener);
+
+inline constexpr int kUsualFrames = 24;  ///< taken out of a video unless --frames says otherwise
+
+struct CaptureOptions {
+  Auto<int> frames;
+
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("frames", self.frames, "Photos to take out of a video, the sharpest of as many equal parts of it; auto = 24",
+          Range{3, 500});
+  }
+};
 
 }  // namespace oraclegs

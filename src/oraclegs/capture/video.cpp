@@ -12,7 +12,6 @@
 #include "oraclegs/capture/photo_checks.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/core/find_program.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/subprocess.h"

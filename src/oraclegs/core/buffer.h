@@ -136,11 +136,6 @@ class Buffer {
   }
   void SetZero() const { FillWithZeros(data(), device(), bytes()); }
 
-  /// This memory seen in another shape. Throws ShapeError when that has more or fewer numbers.
-  Buffer Reshaped(const Shape& shape) const {
-    if (shape.count() != count()) throw ShapeError("{} cannot become {}", shape_.Text(), shape.Text());
-    return Buffer(storage_, offset_, shape);
-  }
   /// The first numbers, seen in another shape that has no more of them.
   Buffer Head(const Shape& shape) const {
     if (shape.count() > count()) throw ShapeError("{} has no room for {}", shape_.Text(), shape.Text());

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,5 +43,12 @@ struct MappedFile {
 /// Throws InputError naming `path` when it cannot be opened or read, is not a regular file, is empty or cannot be
 /// mapped.
 MappedFile MapFile(const std::filesystem::path& path);
+
+/// Full path of a program in PATH, empty when there is none.
+std::filesystem::path FindProgram(const std::string& name);
+
+/// A shared library that belongs to this program and is loaded when it is needed: beside liboraclegs_core.so, beside
+/// the program, in ../lib or in ../lib/oraclegs. Nothing when there is none.
+std::optional<std::filesystem::path> FindLibraryFile(const std::string& name);
 
 }  // namespace oraclegs

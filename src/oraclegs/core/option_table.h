@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "oraclegs/core/options.h"
-#include "oraclegs/core/word_list.h"
 
 namespace oraclegs {
 

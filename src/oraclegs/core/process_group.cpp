@@ -19,7 +19,7 @@
 #include <string_view>
 #include <thread>
 
-#include "oraclegs/core/find_program.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/folder_lock.h"
 
 namespace oraclegs {

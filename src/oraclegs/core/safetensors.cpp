@@ -16,7 +16,6 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/safetensors_layout.h"
-#include "oraclegs/core/shard_index.h"
 #include "oraclegs/core/unique_json.h"
 
 namespace oraclegs {

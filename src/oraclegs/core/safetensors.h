@@ -25,7 +25,7 @@ struct TensorEntry {
 class SafetensorsFile {
  public:
   /// Memory-maps `path`. A path that ends in ".safetensors.index.json" stands for the parts it lists, which are read as
-  /// one file (core/shard_index.h). Throws InputError naming it and what is wrong.
+  /// one file (core/safetensors_layout.h). Throws InputError naming it and what is wrong.
   static SafetensorsFile Open(const std::filesystem::path& path);
   /// Parses bytes already in memory; `name` stands for the file in errors.
   static SafetensorsFile Parse(std::string bytes, const std::string& name);

@@ -1,4 +1,4 @@
-#include "oraclegs/depth/gather_image.h"
+#include "oraclegs/depth/patch_cost.h"
 
 #include <algorithm>
 #include <cmath>

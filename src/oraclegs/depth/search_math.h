@@ -8,7 +8,6 @@
 
 #include "oraclegs/core/device_macros.h"
 #include "oraclegs/core/rng.h"
-#include "oraclegs/depth/patch_constants.h"
 #include "oraclegs/depth/plane_math.h"
 #include "oraclegs/depth/silhouette_mask.h"
 

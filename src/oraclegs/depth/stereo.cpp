@@ -9,7 +9,7 @@
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/depth/confidence.h"
+#include "oraclegs/depth/patch_match.h"
 #include "oraclegs/depth/plane_search.h"
 
 namespace oraclegs {

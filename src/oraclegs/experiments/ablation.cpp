@@ -19,7 +19,7 @@
 #include "oraclegs/settings/plan.h"
 #include "oraclegs/settings/run_size.h"
 #include "oraclegs/settings/weights.h"
-#include "oraclegs/stages/propose_stage.h"
+#include "oraclegs/stages/stage_works.h"
 #include "oraclegs/workspace/stage_sharing.h"
 
 namespace oraclegs {

@@ -4,7 +4,9 @@
 #include <iterator>
 #include <set>
 
+#include "oraclegs/baselines/methods.h"
 #include "oraclegs/proposers/proposer_rows.h"
+#include "oraclegs/settings/missing_networks.h"
 #include "oraclegs/settings/plan.h"
 
 namespace oraclegs {
@@ -36,6 +38,19 @@ Auto<std::string> PaperProposers(const ProposeOptions& asked) {
   return fmt::format("{}", fmt::join(generators, ","));
 }
 
+/// The training of 3DGS-MCMC as its authors have it, over as many iterations and with as many Gaussians as all rows
+/// train. Proposals and depth, which it does not have, are off; how they are used when a later row switches them on is
+/// as asked for.
+AutoTrainOptions McmcTraining(const AutoTrainOptions& asked) {
+  AutoTrainOptions train = Published3dgs();
+  train.iterations = asked.iterations, train.horizon = asked.horizon, train.max_gaussians = asked.max_gaussians;
+  train.schedule = ScheduleKind::kUnion;
+  train.synthetic_floor = asked.synthetic_floor, train.synthetic_peak = asked.synthetic_peak;
+  train.proposal_ssim = asked.proposal_ssim, train.proposal_lpips = 0;
+  train.confidence_power = asked.confidence_power, train.depth_loss = asked.depth_loss;
+  return train;
+}
+
 const char* const kScenes[] = {"bicycle", "bonsai", "counter", "garden", "kitchen", "room", "stump"};
 
 }  // namespace
@@ -44,21 +59,16 @@ const std::vector<AblationRow>& AblationRows() {
   static const std::vector<AblationRow> rows = {
       {"mcmc", "MCMC, random start",
        "3DGS-MCMC on the views alone, as its authors start it, in a cube of three times the cameras' extent, and train "
-       "it",
+       "it: no setting of this program's until the row \"regularizers\"",
        [](const RunOptions& asked, RunOptions* o) {
          const StartOptions usual;
          o->start.init = StartKind::kRandomCube, o->start.init_scale = 0.1;
          o->start.init_opacity = usual.init_opacity;
          o->propose.proposers = std::string(kNoneWord), o->propose.proposal_folder.clear();
          o->propose.generator.clear();
-         o->train.schedule = ScheduleKind::kUnion, o->validate.oracle = OracleKind::kUniform;
+         o->train = McmcTraining(asked.train), o->validate.oracle = OracleKind::kUniform;
          // An oracle that trusts all pixels alike has nothing to calibrate, and no row adds calibration.
          if (asked.validate.oracle != OracleKind::kUniform) o->validate.calibrate = false;
-         o->train.depth_weight = 0, o->train.prune_floaters = false;
-         o->train.largest_scale = 0, o->train.alpha_weight = 0;
-         o->train.proposal_lpips = 0;
-         o->train.opacity_noise = 0, o->train.dropout = 0, o->train.last_rates = 1,
-         o->train.exposure = ExposureMode::kOff;
        }},
       {"union", "+ all proposals",
        "proposed views beside the images, drawn from one pile, all pixels trusted alike: warped by stereo's depth "
@@ -84,8 +94,9 @@ const std::vector<AblationRow>& AblationRows() {
          o->start = asked.start, o->start.seed = seed;
        }},
       {"regularizers", "+ regularizers",
-       "noise on opacities, dropout for objects, learning rates that come to rest, a cap on scales, alpha in the loss "
-       "where images have it, color maps where exposures vary",
+       "this program's own training in place of 3DGS-MCMC's: noise on opacities, dropout for objects, learning rates "
+       "that suit the number of iterations and come to rest, a cap on scales, alpha in the loss where images have it, "
+       "color maps where exposures vary",
        [](const RunOptions& asked, RunOptions* o) { o->train = asked.train; }},
       {"calibration", "+ calibrated oracle",
        "what the oracle predicts is mapped to what such pixels were worth in held-out views",
@@ -134,6 +145,8 @@ void RequireAblatable(const RunOptions& asked) {
     throw UsageError("--init {} is what the first rows start from by themselves; leave it out, or give another",
                      Word(init.value()));
   }
+  // The first rows ask no network, and would train before the first that does is refused.
+  MakePlan(WithNetworksAtHand(asked, true, Silent()), true);
 }
 
 std::vector<PublishedStep> PublishedSteps(int views) {

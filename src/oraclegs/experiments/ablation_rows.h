@@ -19,6 +19,8 @@ struct AblationRow {
   void (*apply)(const RunOptions& asked, RunOptions* options);
 };
 
+/// All rows have the iterations, the horizon and the most Gaussians that are asked for. Up to "dense" they train as
+/// Published3dgs() says, with or without a preset, but for the parts that the rows add.
 const std::vector<AblationRow>& AblationRows();
 
 /// Options of a row, an index of AblationRows(). The last row has `asked`.
@@ -28,7 +30,8 @@ RunOptions RowOptions(size_t row, const RunOptions& asked);
 /// "". Throws UsageError that lists the rows.
 std::vector<size_t> ChooseRows(const std::string& words);
 
-/// Throws UsageError when `asked` has no proposals or fixes the start, on which several rows depend.
+/// Throws UsageError when `asked` has no proposals or fixes the start, on which several rows depend; and what
+/// WithNetworksAtHand and MakePlan throw of networks that only later rows ask.
 void RequireAblatable(const RunOptions& asked);
 
 /// Row of the ablation on Mip-NeRF 360 ([Topaloglu 2026], table 3): means over its scenes.

@@ -1,4 +1,4 @@
-#include "oraclegs/formats/compressed_ply.h"
+#include "oraclegs/formats/codecs.h"
 
 #include <algorithm>
 #include <cmath>

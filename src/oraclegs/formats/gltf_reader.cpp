@@ -1,4 +1,4 @@
-#include "oraclegs/formats/gltf.h"
+#include "oraclegs/formats/codecs.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -11,7 +11,6 @@
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/formats/glb_file.h"
 #include "oraclegs/formats/gltf_layout.h"
-#include "oraclegs/formats/spz.h"
 #include "oraclegs/gaussians/transform.h"
 
 namespace oraclegs {

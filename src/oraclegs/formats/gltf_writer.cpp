@@ -1,4 +1,4 @@
-#include "oraclegs/formats/gltf.h"
+#include "oraclegs/formats/codecs.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,6 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/statistics.h"
 #include "oraclegs/formats/gltf_layout.h"
-#include "oraclegs/formats/spz.h"
 
 namespace oraclegs {
 namespace {

@@ -1,4 +1,4 @@
-#include "oraclegs/formats/splat.h"
+#include "oraclegs/formats/codecs.h"
 
 #include <algorithm>
 #include <cmath>

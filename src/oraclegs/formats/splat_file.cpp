@@ -7,12 +7,8 @@
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/formats/compressed_ply.h"
-#include "oraclegs/formats/gltf.h"
-#include "oraclegs/formats/sog.h"
+#include "oraclegs/formats/codecs.h"
 #include "oraclegs/formats/spatial_order.h"
-#include "oraclegs/formats/splat.h"
-#include "oraclegs/formats/spz.h"
 #include "oraclegs/gaussians/selection.h"
 
 namespace oraclegs {

@@ -7,7 +7,7 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/gaussians/damaged_rows.h"
-#include "oraclegs/gaussians/ply_reader.h"
+#include "oraclegs/gaussians/ply_header.h"
 
 namespace oraclegs {
 namespace {

@@ -1,5 +1,6 @@
 #pragma once
-// The text header of the PLY container: which elements follow, and of which scalar or list properties.
+// The PLY container: its text header, which says what elements follow and of which scalar or list properties, and its
+// numbers, ascii or binary.
 
 #include <cstddef>
 #include <cstdint>
@@ -44,5 +45,11 @@ struct PlyHeader {
 /// Throws InputError naming `file` and the line: not a PLY, an unknown keyword or type, a name given twice, an end
 /// before end_header.
 PlyHeader ParsePlyHeader(std::string_view bytes, const std::string& file);
+
+/// The named scalar properties of an element as rows * names floats, row-major. Throws InputError naming `file`: no
+/// such element or property, a list among them, more rows than the bytes can hold (nothing is allocated before that is
+/// known), something that is not a number.
+std::vector<float> ReadPlyColumns(std::string_view bytes, const PlyHeader& header, std::string_view element,
+                                  const std::vector<std::string>& names, const std::string& file);
 
 }  // namespace oraclegs

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "oraclegs/image/exif_tags.h"
+#include "oraclegs/image/exif.h"
 #include "oraclegs/image/image.h"
 
 namespace oraclegs {

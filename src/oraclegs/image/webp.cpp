@@ -6,7 +6,6 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/image/exif.h"
-#include "oraclegs/image/exif_tags.h"
 
 namespace oraclegs {
 namespace {

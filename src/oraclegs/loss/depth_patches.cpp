@@ -1,4 +1,4 @@
-#include "oraclegs/loss/depth_patches.h"
+#include "oraclegs/loss/depth_losses.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "oraclegs/loss/masked_l1.h"
+#include "oraclegs/loss/depth_losses.h"
 
 #include <algorithm>
 #include <array>

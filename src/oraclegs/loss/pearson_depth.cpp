@@ -1,4 +1,4 @@
-#include "oraclegs/loss/pearson_depth.h"
+#include "oraclegs/loss/depth_losses.h"
 
 #include <cmath>
 #include <optional>

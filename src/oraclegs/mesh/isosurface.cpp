@@ -3,7 +3,7 @@
 #include <dlfcn.h>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/find_program.h"
+#include "oraclegs/core/files.h"
 
 namespace oraclegs {
 namespace {

@@ -1,12 +1,9 @@
-#include "oraclegs/mesh/mesh_file.h"
+#include "oraclegs/mesh/triangle_mesh.h"
 
 #include <Eigen/Geometry>
 #include <bit>
-#include <charconv>
 #include <cmath>
-#include <cstring>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
@@ -141,29 +138,6 @@ std::string GlbBytes(const TriangleMesh& mesh, const Eigen::Vector3d& up, const 
   return bytes;
 }
 
-/// The number after a word of the header; nullopt when it is not there.
-std::optional<uint64_t> CountAfter(std::string_view header, std::string_view word) {
-  const size_t at = header.find(word);
-  if (at == std::string_view::npos) return std::nullopt;
-  uint64_t count = 0;
-  const char* begin = header.data() + at + word.size();
-  const auto [end, error] = std::from_chars(begin, header.data() + header.size(), count);
-  if (error != std::errc() || end == header.data() + header.size() || *end != '\n') return std::nullopt;
-  return count;
-}
-
-/// Comment lines of the header, between the one that names the program and the vertices.
-std::string_view CommentsOf(std::string_view header) {
-  constexpr std::string_view kProgram = "comment oraclegs mesh\n";
-  const size_t program = header.find(kProgram), vertices = header.find("element vertex ");
-  if (program == std::string_view::npos || vertices < program) return {};
-  const std::string_view lines = header.substr(program + kProgram.size(), vertices - program - kProgram.size());
-  for (size_t at = 0; at < lines.size(); at = lines.find('\n', at) + 1) {
-    if (!lines.substr(at).starts_with("comment ")) return {};
-  }
-  return lines;
-}
-
 }  // namespace
 
 void RequireMeshExtension(const fs::path& path) {
@@ -180,41 +154,6 @@ void WriteMesh(const fs::path& path, const TriangleMesh& mesh, const Eigen::Vect
                      mesh.positions.size(), mesh.normals.size(), mesh.colors.size());
   }
   WriteFileAtomically(path, path.extension() == ".glb" ? GlbBytes(mesh, up, comments, path) : PlyBytes(mesh, comments));
-}
-
-TriangleMesh ReadMeshPly(const fs::path& path) {
-  const std::string bytes = ReadFile(path);
-  constexpr std::string_view kEnd = "end_header\n";
-  const size_t end = bytes.find(kEnd);
-  const std::string_view header = std::string_view(bytes).substr(0, end == std::string::npos ? 0 : end + kEnd.size());
-  const auto vertices = CountAfter(header, "element vertex "), faces = CountAfter(header, "element face ");
-  if (!vertices || !faces || header != fmt::format(fmt::runtime(kPlyHeader), CommentsOf(header), *vertices, *faces)) {
-    throw InputError("{}: is no mesh of oraclegs; make one with `oraclegs mesh`", path.string());
-  }
-  const uint64_t left = bytes.size() - header.size();
-  if (*vertices > left / kPlyVertexBytes || *faces > left / kPlyFaceBytes ||
-      *vertices * kPlyVertexBytes + *faces * kPlyFaceBytes != left) {
-    throw InputError("{}: holds {} bytes, not those of {} vertices and {} faces; make it again", path.string(), left,
-                     *vertices, *faces);
-  }
-  TriangleMesh mesh;
-  mesh.positions.resize(*vertices), mesh.normals.resize(*vertices), mesh.colors.resize(*vertices);
-  mesh.triangles.resize(*faces);
-  const char* at = bytes.data() + header.size();
-  for (size_t i = 0; i < *vertices; ++i, at += kPlyVertexBytes) {
-    std::memcpy(mesh.positions[i].data(), at, 12);
-    std::memcpy(mesh.normals[i].data(), at + 12, 12);
-    std::memcpy(mesh.colors[i].data(), at + 24, 3);
-  }
-  for (auto& triangle : mesh.triangles) {
-    std::memcpy(triangle.data(), at + 1, 12);
-    for (const uint32_t vertex : triangle) {
-      if (vertex < *vertices) continue;
-      throw InputError("{}: a face has vertex {} of {}; make it again", path.string(), vertex, *vertices);
-    }
-    at += kPlyFaceBytes;
-  }
-  return mesh;
 }
 
 }  // namespace oraclegs

@@ -8,7 +8,7 @@
 #include <optional>
 #include <system_error>
 
-#include "oraclegs/core/find_program.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/networks/build_id.h"
 
 namespace oraclegs {

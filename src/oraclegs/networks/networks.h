@@ -21,6 +21,7 @@
 #include "oraclegs/core/progress.h"
 #include "oraclegs/image/image.h"
 #include "oraclegs/networks/seva_options.h"
+#include "oraclegs/networks/seva_size.h"
 
 namespace oraclegs {
 
@@ -199,6 +200,9 @@ class Networks {
   /// than there is, InputError naming the images that get no camera.
   virtual PoseEstimate EstimatePoses(const PoseRequest& request, const Listener& listener) const = 0;
   virtual std::unique_ptr<ViewGenerator> LoadViewGenerator(const ViewGeneratorRequest& request) const = 0;
+  /// Throws the RunError of ViewGenerator::Generate where request.free_bytes do not suffice for images of this size,
+  /// before anything is loaded.
+  virtual void RequireMemoryToGenerate(const ViewGeneratorRequest& request, seva::Size photo) const = 0;
 };
 
 }  // namespace oraclegs

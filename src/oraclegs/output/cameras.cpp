@@ -11,7 +11,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/image/codecs.h"
 #include "oraclegs/scene/colmap_files.h"
-#include "oraclegs/scene/point_ply.h"
+#include "oraclegs/scene/scene.h"
 #include "oraclegs/workspace/workspace.h"
 
 namespace oraclegs {

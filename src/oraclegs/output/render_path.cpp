@@ -3,7 +3,6 @@
 #include "oraclegs/camera/camera_path.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/core/find_program.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/evaluate/image_names.h"
 #include "oraclegs/image/codecs.h"

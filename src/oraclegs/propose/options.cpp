@@ -1,6 +1,7 @@
 #include "oraclegs/propose/options.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "oraclegs/core/text.h"
 
@@ -23,7 +24,7 @@ const std::vector<KnownProposer>& KnownProposers() {
       {kWarpWord, "photos warped by their depth"},
       {"seva",
        "Stable Virtual Camera, a generative network that needs weights",
-       {"seva", "sd21-vae", "openclip-vith14"}},
+       {std::begin(kSevaNetworks), std::end(kSevaNetworks)}},
       {kCommandWord, "the program of --generator"},
   };
   return known;

@@ -6,13 +6,15 @@
 #include <vector>
 
 #include "oraclegs/core/options.h"
-#include "oraclegs/core/word_list.h"
 
 namespace oraclegs {
 
 /// Words of --proposers that code beside their rows knows: of automatic choices, of --generator, and of no proposals.
 inline constexpr const char *kProxiesWord = "proxies", *kWarpWord = "warp", *kCommandWord = "command",
                             *kNoneWord = "none";
+
+/// Names in `oraclegs models` of the weights of SEVA: its own network, the autoencoder and the image encoder.
+inline constexpr const char* kSevaNetworks[] = {"seva", "sd21-vae", "openclip-vith14"};
 
 /// A proposer as options, help and settings know it; its row (stages/proposer_row.h) has the rest.
 struct KnownProposer {

@@ -11,7 +11,6 @@
 #include "oraclegs/core/rng.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/propose/candidates.h"
-#include "oraclegs/propose/coverage.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/propose/target_check.h"
 

@@ -3,8 +3,10 @@
 
 #include <vector>
 
+#include "oraclegs/camera/camera.h"
 #include "oraclegs/core/options.h"
 #include "oraclegs/core/progress.h"
+#include "oraclegs/depth/fusion.h"
 #include "oraclegs/propose/target_check.h"
 
 namespace oraclegs {
@@ -56,5 +58,11 @@ struct TargetPlan {
 /// more than half were rejected (with counts and reasons) or nothing is left (with advice). Deterministic. Throws
 /// std::invalid_argument without training cameras.
 std::vector<Target> ChooseTargets(const TrajectoryRequest& request, const TargetPlan& plan, const Listener& listener);
+
+/// Indices of at most `count` candidates, best first. Each next one sees the most points from directions in which no
+/// training camera and no candidate chosen before has seen them: a point (PointsSeen) has the weight 1 - exp(-angle /
+/// 10 degrees), with the angle to the nearest such direction. Ends when nothing is gained any more.
+std::vector<size_t> ChooseByCoverage(const std::vector<DensePoint>& points, const std::vector<Camera>& train,
+                                     const std::vector<Camera>& candidates, int count);
 
 }  // namespace oraclegs

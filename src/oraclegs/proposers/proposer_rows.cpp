@@ -2,7 +2,7 @@
 
 #include "oraclegs/networks/seva_size.h"
 #include "oraclegs/propose/generator.h"
-#include "oraclegs/propose/stored_proposer.h"
+#include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/proposers/proxy_models.h"
 #include "oraclegs/proposers/seva.h"
 

@@ -28,9 +28,10 @@ bool IsSource(const std::string& folder) {
 }  // namespace
 
 SevaFiles FindSevaFiles(const WeightOptions& options) {
-  const fs::path unet =
-      options.seva_weights.empty() ? RequireWeights("seva") : FindWeights("seva", options.seva_weights).front();
-  return {{unet}, RequireWeights("sd21-vae"), RequireWeights("openclip-vith14")};
+  const auto& [unet, vae, clip] = kSevaNetworks;
+  const fs::path file =
+      options.seva_weights.empty() ? RequireWeights(unet) : FindWeights(unet, options.seva_weights).front();
+  return {{file}, RequireWeights(vae), RequireWeights(clip)};
 }
 
 std::string SevaKey(const SevaOptions& options, const SevaFiles& files) {

@@ -35,8 +35,8 @@ ORACLEGS_HD inline int LoopOverTerms([[maybe_unused]] int coefficients) {
 }
 
 /// Unit vector from the camera to the Gaussian, and the reciprocal of its distance.
-template <class F>
-ORACLEGS_HD inline Vec3<F> ViewDirection(const Vec3<F>& mean, const SplatCamera<float>& camera, F* inv_distance) {
+template <class F, class T>
+ORACLEGS_HD inline Vec3<F> ViewDirection(const Vec3<F>& mean, const SplatCamera<T>& camera, F* inv_distance) {
   const Vec3<F> d{mean.x - F(camera.eye[0]), mean.y - F(camera.eye[1]), mean.z - F(camera.eye[2])};
   *inv_distance = F(1.f) / Sqrt(Dot(d, d));
   return {d.x * *inv_distance, d.y * *inv_distance, d.z * *inv_distance};
@@ -61,8 +61,8 @@ ORACLEGS_HD inline Vec3<F> RawColor(const Sh& sh, const F* basis, int coefficien
 /// The adjoint of the clamped color, whose gradient is g_color. store(basis, g) takes the gradients of the
 /// coefficients, basis_k g; it may overwrite `sh`. Returns the part of d/d(mean) that comes through the viewing
 /// direction.
-template <class F, class Sh, class Store>
-ORACLEGS_HD inline Vec3<F> ColorBackward(const SplatCamera<float>& camera, const Vec3<F>& mean, const Sh& sh,
+template <class F, class T, class Sh, class Store>
+ORACLEGS_HD inline Vec3<F> ColorBackward(const SplatCamera<T>& camera, const Vec3<F>& mean, const Sh& sh,
                                          const Vec3<F>& g_color, const Store& store) {
   const int coefficients = (camera.sh_degree + 1) * (camera.sh_degree + 1);
   F basis[kMaxShTerms], weight[kMaxShTerms], inv_distance;

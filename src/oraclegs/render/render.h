@@ -72,6 +72,15 @@ struct ScreenGradients {
   Buffer<float> views;  ///< [N] backward passes in which the Gaussian reached a pixel
 };
 
+/// dL/d(camera) of one render. The pose is differentiated where a point of the camera's frame, x = R x_world + t,
+/// becomes Exp(rotation) x + translation (Nudged, camera/similarity.h), at zero: the camera turns about its center,
+/// then what is before it shifts along its axes. `rotation` is an axis times an angle.
+struct CameraGradient {
+  Eigen::Vector3d translation;  ///< L per world unit, camera axes
+  Eigen::Vector3d rotation;     ///< L per radian, camera axes
+  double fx, fy, cx, cy;        ///< L per px
+};
+
 /// Milliseconds of the last Forward and Backward by stage, for benchmarks and the trainer's report.
 struct RenderTimings {
   double project = 0, bin = 0, blend = 0;  ///< Forward
@@ -109,6 +118,13 @@ class Rasterizer {
   /// nullptr ends that. Backward and BackwardInto throw ShapeError where they do not fit.
   virtual void WatchScreen(const ScreenGradients* watched) = 0;
 
+  /// Makes each further backward pass sum the gradient of the camera too, or ends that.
+  virtual void WatchCamera(bool watched) = 0;
+
+  /// The camera's gradient in the last backward pass, summed in a fixed order. Throws ShapeError when it was not
+  /// watched.
+  virtual CameraGradient camera_gradient() const = 0;
+
   /// Allocates for that many Gaussians now, on a GPU. Throws OutOfMemory.
   virtual void ReserveGaussians(int64_t) {}
 
@@ -129,8 +145,9 @@ std::unique_ptr<Rasterizer> MakeCpuRasterizer();
 namespace cuda {  // only in builds with CUDA
 
 /// Makes the one of an NVIDIA GPU. All buffers are on the device, and those given must be. Work goes to the default
-/// stream, in order: results may be used at once by other work of that stream. timings() and stats() wait for the
-/// device. `runs`: as RasterCore's, for tests. Throws UsageError when there is no such device.
+/// stream, in order: results may be used at once by other work of that stream. timings(), stats() and
+/// camera_gradient() wait for the device. `runs`: as RasterCore's, for tests. Throws UsageError when there is no such
+/// device.
 std::unique_ptr<Rasterizer> MakeCudaRasterizer(Device device, int runs = 0);
 
 /// Estimate of the device memory that training takes for a view of so many pixels, images included, before it begins.

@@ -79,4 +79,8 @@ void RequireWatched(const ScreenGradients& watched, int64_t n, Device device) {
   }
 }
 
+void RequireCameraGradient(bool summed) {
+  if (!summed) throw ShapeError("Rasterizer::camera_gradient: the last backward pass did not watch the camera");
+}
+
 }  // namespace oraclegs

@@ -24,4 +24,7 @@ GaussianRows GradientRows(const Gaussians& grads, int64_t n, Device device);
 /// Throws unless the screen gradients are undefined or those of n Gaussians, on `device`.
 void RequireWatched(const ScreenGradients& watched, int64_t n, Device device);
 
+/// Throws unless the last backward pass summed the camera's gradient.
+void RequireCameraGradient(bool summed);
+
 }  // namespace oraclegs

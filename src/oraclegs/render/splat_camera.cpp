@@ -35,4 +35,10 @@ SplatCamera<F> MakeSplatCamera(const Camera& camera, const RenderOptions& option
 template SplatCamera<float> MakeSplatCamera(const Camera&, const RenderOptions&);
 template SplatCamera<double> MakeSplatCamera(const Camera&, const RenderOptions&);
 
+CameraGradient CameraGradientOf(const SplatCamera<float>& camera, const double* sums) {
+  const auto rotation = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(camera.r).cast<double>();
+  const Eigen::Map<const Eigen::Vector3d> means(sums), turns(sums + 3);
+  return {rotation * means, turns, sums[6], sums[7], sums[8], sums[9]};
+}
+
 }  // namespace oraclegs

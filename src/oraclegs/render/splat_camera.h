@@ -6,6 +6,7 @@
 namespace oraclegs {
 
 struct Camera;
+struct CameraGradient;
 struct RenderOptions;
 
 /// A pinhole camera and how to render with it. F: float or double.
@@ -27,5 +28,11 @@ struct SplatCamera {
 /// Rounded to F from double precision.
 template <class F>
 SplatCamera<F> MakeSplatCamera(const Camera& camera, const RenderOptions& options);
+
+/// Numbers whose sums over the Gaussians give the gradient of the camera (docs/method.md#camera-gradient):
+/// [0..2] dL/d(mean), world axes  [3..5] dL/d(rotation)  [6..9] dL/d(fx, fy, cx, cy)
+inline constexpr int kCameraSums = 10;
+
+CameraGradient CameraGradientOf(const SplatCamera<float>& camera, const double* sums);
 
 }  // namespace oraclegs

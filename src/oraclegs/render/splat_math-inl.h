@@ -147,17 +147,26 @@ struct ProjectedGrad {
   F mx, my, conic_a, conic_b, conic_c, opacity, inv_z;
 };
 
+/// dL/d(quantities of the camera's frame): what moves with the Gaussian and with the camera alike.
+template <class F>
+struct CameraSpaceGrad {
+  Vec3<F> cam;  ///< the center, through the Jacobian too
+  F j[6];       ///< the Jacobian, row-major; j[1] and j[3] matter to the camera's rotation alone
+  F m[9];       ///< SplatChain::m, row-major
+  F logit;
+};
+
 template <class F>
 struct RawGrad {
   Vec3<F> mean, log_scale;
   F qw, qx, qy, qz, logit;
 };
 
-/// The adjoint of EvaluateChain and Project (docs/method.md#gaussian-gradient). The caller adds the color's part of
-/// d/d(mean). With N = J m the covariance is N N', so d/dN = 2 G N and the world covariance never appears.
+/// The adjoint of EvaluateChain and Project down to the camera's frame (docs/method.md#gaussian-gradient). With N = J m
+/// the covariance is N N', so d/dN = 2 G N and the world covariance never appears.
 template <class F, class T>
-ORACLEGS_HD inline RawGrad<F> ProjectBackward(const SplatChain<F>& c, const SplatCamera<T>& camera,
-                                              const ProjectedGrad<F>& g) {
+ORACLEGS_HD inline CameraSpaceGrad<F> ProjectBackward(const SplatChain<F>& c, const SplatCamera<T>& camera,
+                                                      const ProjectedGrad<F>& g) {
   const F zero(0.f), one(1.f), two(2.f), half(0.5f);
   // [g_a, g_b/2; g_b/2, g_c] = -K G_k K
   const F inv_det = one / c.det;
@@ -176,7 +185,7 @@ ORACLEGS_HD inline RawGrad<F> ProjectBackward(const SplatChain<F>& c, const Spla
     gb = gb - two * k * c.b * (c.a0 + c.c0 + F(kLowPass));
   }
 
-  RawGrad<F> out;
+  CameraSpaceGrad<F> out;
   out.logit = g_opacity * c.opacity * (one - c.opacity);
 
   F gn0[3], gn1[3];
@@ -187,38 +196,48 @@ ORACLEGS_HD inline RawGrad<F> ProjectBackward(const SplatChain<F>& c, const Spla
   const F inv_z = one / c.cam.z;
   const F jx = F(camera.fx) * inv_z, jy = F(camera.fy) * inv_z;
   // g_J = g_N m'
-  F gj00 = zero, gj02 = zero, gj11 = zero, gj12 = zero;
-  F gm[9];
+  for (F& entry : out.j) entry = zero;
   for (int j = 0; j < 3; ++j) {
-    gj00 = gj00 + gn0[j] * c.m[j];
-    gj02 = gj02 + gn0[j] * c.m[6 + j];
-    gj11 = gj11 + gn1[j] * c.m[3 + j];
-    gj12 = gj12 + gn1[j] * c.m[6 + j];
-    gm[j] = jx * gn0[j];  // J' g_N
-    gm[3 + j] = jy * gn1[j];
-    gm[6 + j] = -(jx * c.cu * gn0[j] + jy * c.cv * gn1[j]);
+    for (int k = 0; k < 3; ++k) {
+      out.j[k] = out.j[k] + gn0[j] * c.m[3 * k + j];
+      out.j[3 + k] = out.j[3 + k] + gn1[j] * c.m[3 * k + j];
+    }
+    out.m[j] = jx * gn0[j];  // J' g_N
+    out.m[3 + j] = jy * gn1[j];
+    out.m[6 + j] = -(jx * c.cu * gn0[j] + jy * c.cv * gn1[j]);
   }
 
   // Camera-space center. Where u is clamped the third column of J does not depend on x.
   const auto u_free = And(c.u >= F(camera.min_u), c.u <= F(camera.max_u));
   const auto v_free = And(c.v >= F(camera.min_v), c.v <= F(camera.max_v));
-  const F sx = jx * inv_z * gj02, sy = jy * inv_z * gj12;
-  const F gx = g.mx * jx - Select(u_free, sx, zero);
-  const F gy = g.my * jy - Select(v_free, sy, zero);
-  const F gz = -inv_z * (g.mx * F(camera.fx) * c.u + g.my * F(camera.fy) * c.v) - g.inv_z * inv_z * inv_z -
-               inv_z * inv_z * (F(camera.fx) * gj00 + F(camera.fy) * gj11) + Select(u_free, two, one) * c.cu * sx +
-               Select(v_free, two, one) * c.cv * sy;
-  out.mean = {F(camera.r[0]) * gx + F(camera.r[3]) * gy + F(camera.r[6]) * gz,
-              F(camera.r[1]) * gx + F(camera.r[4]) * gy + F(camera.r[7]) * gz,
-              F(camera.r[2]) * gx + F(camera.r[5]) * gy + F(camera.r[8]) * gz};
+  const F sx = jx * inv_z * out.j[2], sy = jy * inv_z * out.j[5];
+  out.cam.x = g.mx * jx - Select(u_free, sx, zero);
+  out.cam.y = g.my * jy - Select(v_free, sy, zero);
+  out.cam.z = -inv_z * (g.mx * F(camera.fx) * c.u + g.my * F(camera.fy) * c.v) - g.inv_z * inv_z * inv_z -
+              inv_z * inv_z * (F(camera.fx) * out.j[0] + F(camera.fy) * out.j[4]) +
+              Select(u_free, two, one) * c.cu * sx + Select(v_free, two, one) * c.cv * sy;
+  return out;
+}
+
+/// From the camera's frame to the raw parameters. The caller adds the color's part of d/d(mean).
+template <class F, class T>
+ORACLEGS_HD inline RawGrad<F> RawBackward(const SplatChain<F>& c, const SplatCamera<T>& camera,
+                                          const CameraSpaceGrad<F>& g) {
+  const F two(2.f);
+  RawGrad<F> out;
+  out.logit = g.logit;
+  out.mean = {F(camera.r[0]) * g.cam.x + F(camera.r[3]) * g.cam.y + F(camera.r[6]) * g.cam.z,
+              F(camera.r[1]) * g.cam.x + F(camera.r[4]) * g.cam.y + F(camera.r[7]) * g.cam.z,
+              F(camera.r[2]) * g.cam.x + F(camera.r[5]) * g.cam.y + F(camera.r[8]) * g.cam.z};
 
   // Scales, and E = d/dR(q) = R_w' g_m S.
   const F s[3] = {c.scale.x, c.scale.y, c.scale.z};
   F gs[3], e[9];
   for (int j = 0; j < 3; ++j) {
-    gs[j] = s[j] * (c.w[j] * gm[j] + c.w[3 + j] * gm[3 + j] + c.w[6 + j] * gm[6 + j]);
+    gs[j] = s[j] * (c.w[j] * g.m[j] + c.w[3 + j] * g.m[3 + j] + c.w[6 + j] * g.m[6 + j]);
     for (int i = 0; i < 3; ++i) {
-      e[3 * i + j] = s[j] * (F(camera.r[i]) * gm[j] + F(camera.r[3 + i]) * gm[3 + j] + F(camera.r[6 + i]) * gm[6 + j]);
+      e[3 * i + j] =
+          s[j] * (F(camera.r[i]) * g.m[j] + F(camera.r[3 + i]) * g.m[3 + j] + F(camera.r[6 + i]) * g.m[6 + j]);
     }
   }
   out.log_scale = {gs[0], gs[1], gs[2]};
@@ -232,6 +251,38 @@ ORACLEGS_HD inline RawGrad<F> ProjectBackward(const SplatChain<F>& c, const Spla
   out.qx = (hx - x * radial) * c.inv_norm;
   out.qy = (hy - y * radial) * c.inv_norm;
   out.qz = (hz - z * radial) * c.inv_norm;
+  return out;
+}
+
+/// One Gaussian's terms of the sums of kCameraSums.
+template <class F>
+struct CameraTerms {
+  F of[kCameraSums];
+};
+
+/// dL/d(camera) through one Gaussian (docs/method.md#camera-gradient). `mean`: dL/d(mean), the
+/// color's part included. That part is none of the rotation's: viewing directions begin at the camera's center, about
+/// which it turns.
+template <class F, class T>
+ORACLEGS_HD inline CameraTerms<F> CameraBackward(const SplatChain<F>& c, const SplatCamera<T>& camera,
+                                                 const ProjectedGrad<F>& g, const CameraSpaceGrad<F>& s,
+                                                 const Vec3<F>& mean) {
+  CameraTerms<F> out;
+  F* const terms = out.of;
+  terms[0] = mean.x, terms[1] = mean.y, terms[2] = mean.z;
+  // The center's part p x g_p; m's, which turns with it, is the antisymmetric part of J' g_J.
+  const F zero(0.f), inv_z = F(1.f) / c.cam.z;
+  const F jx = F(camera.fx) * inv_z, jy = F(camera.fy) * inv_z, jz0 = -jx * c.cu, jz1 = -jy * c.cv;
+  terms[3] = c.cam.y * s.cam.z - c.cam.z * s.cam.y + jz0 * s.j[1] + jz1 * s.j[4] - jy * s.j[5];
+  terms[4] = c.cam.z * s.cam.x - c.cam.x * s.cam.z + jx * s.j[2] - jz0 * s.j[0] - jz1 * s.j[3];
+  terms[5] = c.cam.x * s.cam.y - c.cam.y * s.cam.x + jy * s.j[3] - jx * s.j[1];
+  // Where u is clamped, fx times it is the image's border minus cx, whatever fx is.
+  const auto u_free = And(c.u >= F(camera.min_u), c.u <= F(camera.max_u));
+  const auto v_free = And(c.v >= F(camera.min_v), c.v <= F(camera.max_v));
+  terms[6] = g.mx * c.u + inv_z * (s.j[0] - Select(u_free, c.cu * s.j[2], zero));
+  terms[7] = g.my * c.v + inv_z * (s.j[4] - Select(v_free, c.cv * s.j[5], zero));
+  terms[8] = g.mx + Select(u_free, zero, inv_z * s.j[2]);
+  terms[9] = g.my + Select(v_free, zero, inv_z * s.j[5]);
   return out;
 }
 

@@ -3,7 +3,6 @@
 #include "oraclegs/core/host.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/run/needed_photos.h"
-#include "oraclegs/run/speed_probe.h"
 #include "oraclegs/run/time_estimate.h"
 
 namespace oraclegs {

@@ -1,14 +1,9 @@
 #include "oraclegs/run/stages.h"
 
-#include "oraclegs/output/report/report_stage.h"
+#include "oraclegs/output/report/run_document.h"
 #include "oraclegs/proposers/proxy_models.h"
-#include "oraclegs/stages/depth_stage.h"
 #include "oraclegs/stages/evaluate_stage.h"
-#include "oraclegs/stages/propose_stage.h"
-#include "oraclegs/stages/register_stage.h"
-#include "oraclegs/stages/sfm_stage.h"
-#include "oraclegs/stages/train_stage.h"
-#include "oraclegs/stages/validate_stage.h"
+#include "oraclegs/stages/stage_works.h"
 
 namespace oraclegs {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "oraclegs/stages/run_stage.h"
+#include "oraclegs/stages/stage.h"
 
 namespace oraclegs {
 

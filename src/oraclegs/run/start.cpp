@@ -15,7 +15,7 @@
 #include "oraclegs/render/constants.h"
 #include "oraclegs/run/announce_stages.h"
 #include "oraclegs/run/needed_photos.h"
-#include "oraclegs/run/photo_report.h"
+#include "oraclegs/run/network_needs.h"
 #include "oraclegs/run/stages.h"
 #include "oraclegs/scene/declared_split.h"
 #include "oraclegs/scene/frame_comments.h"
@@ -24,8 +24,9 @@
 #include "oraclegs/scene/read_scene.h"
 #include "oraclegs/settings/missing_networks.h"
 #include "oraclegs/settings/run_size.h"
-#include "oraclegs/stages/register_stage.h"
+#include "oraclegs/stages/stage_works.h"
 #include "oraclegs/workspace/frame_file.h"
+#include "oraclegs/workspace/stage_records.h"
 
 namespace oraclegs {
 namespace {
@@ -134,11 +135,15 @@ void RequireInputsOutside(const fs::path& out, const std::vector<fs::path>& inpu
   }
 }
 
-/// Options with the size of the run settled; a run that is continued takes it from `saved`. It may be unknown which
-/// images register, but a split that all of them cannot fill is refused.
+/// It may be unknown which images register, but a split that all of them cannot fill is refused.
+SceneSize SizeOf(const Scene& scene, const SplitOptions& split) {
+  return SizeOf(scene, static_cast<int>(SplitViews(scene, split).train.size()));
+}
+
+/// Options with the size of the run settled; a run that is continued takes it from `saved`.
 RunOptions SettleSize(const RunOptions& asked, const Scene& scene, Device device, const nlohmann::json& saved,
                       const Listener& listener) {
-  const SceneSize size = SizeOf(scene, static_cast<int>(SplitViews(scene, asked.split).train.size()));
+  const SceneSize size = SizeOf(scene, asked.split);
   RunOptions settled = WithSize(WithSavedSize(asked, saved), size, device.is_cuda());
   CheckRunOptions(settled);
   RequireRenderable(scene, settled.image.Settled());
@@ -274,7 +279,12 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
   const RunOptions options = WithNetworksAtHand(request.options, has_poses, listener);
   Plan plan = MakePlan(options, has_poses);
   const nlohmann::json saved_size = SavedSize(request);
-  const auto settle = [&] { return SettleSize(options, scene, plan.device, saved_size, listener); };
+  const auto settle = [&] {
+    RunOptions settled = SettleSize(options, scene, plan.device, saved_size, listener);
+    RequireNetworkNeeds(settled, plan, SizeOf(scene, options.split),
+                        request.overwrite ? nlohmann::json::object() : ReadStageRecords(request.out));
+    return settled;
+  };
   if (imports) RequireSameFrames(request, saved_size);
   std::optional<RunOptions> settled;
   if (!imports) settled = settle();

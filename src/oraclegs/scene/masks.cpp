@@ -14,7 +14,6 @@
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/codecs.h"
 #include "oraclegs/image/exif.h"
-#include "oraclegs/image/exif_tags.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/fit_cameras.h"
 

@@ -1,11 +1,16 @@
 #include "oraclegs/scene/scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <iterator>
 #include <numeric>
+#include <string>
 #include <system_error>
 #include <unordered_map>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/fold_name.h"
@@ -142,6 +147,18 @@ void AttachMasks(const std::filesystem::path& mask_dir, const Listener& listener
         Warning{fmt::format("{}: fits no view, so all pixels are used; a mask is named like its photo, e.g. {}.png",
                             mask_dir.string(), scene->views.empty() ? "NAME" : scene->views.front().name)});
   }
+}
+
+void WritePointPly(const std::filesystem::path& path, const std::vector<ScenePoint>& points) {
+  std::string ply = fmt::format(
+      "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
+      points.size());
+  for (const ScenePoint& p : points) {
+    fmt::format_to(std::back_inserter(ply), "{:.9g} {:.9g} {:.9g} {} {} {}\n", p.xyz.x(), p.xyz.y(), p.xyz.z(),
+                   p.rgb[0], p.rgb[1], p.rgb[2]);
+  }
+  WriteFileAtomically(path, ply);
 }
 
 }  // namespace oraclegs

@@ -12,7 +12,7 @@
 
 #include "oraclegs/camera/intrinsics.h"
 #include "oraclegs/core/progress.h"
-#include "oraclegs/image/exif_tags.h"
+#include "oraclegs/image/exif.h"
 
 namespace oraclegs {
 
@@ -89,5 +89,9 @@ void KeepViewsWithImages(std::vector<SceneView> candidates, const std::string& s
 /// these in case, Unicode form or extension; a leading "images/" of the name may be left out. Does nothing when
 /// mask_dir is not a folder; warns when it is and fits no view.
 void AttachMasks(const std::filesystem::path& mask_dir, const Listener& listener, Scene* scene);
+
+/// Writes positions and colors as an ascii PLY, as Nerfstudio and every viewer of point clouds read it, atomically.
+/// Throws RunError.
+void WritePointPly(const std::filesystem::path& path, const std::vector<ScenePoint>& points);
 
 }  // namespace oraclegs

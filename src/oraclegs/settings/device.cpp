@@ -6,6 +6,7 @@
 #include "oraclegs/core/config.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/host.h"
+#include "oraclegs/networks/loader.h"
 #if defined(ORACLEGS_CUDA)
 #include "oraclegs/core/cuda/check.h"
 #endif
@@ -13,6 +14,8 @@
 namespace oraclegs {
 namespace {
 
+constexpr const char* kNoCudaInLibtorch =
+    "the libtorch behind them has no CUDA, or finds no GPU; build with one that has (-DCMAKE_PREFIX_PATH=...)";
 constexpr std::string_view kCuda = "cuda", kCudaNumbered = "cuda:";
 
 /// Number after "cuda:", 0 for "cuda"; -1 for any other text.
@@ -75,11 +78,15 @@ void ReportDevice(Device device, const DeviceSupport& support, const Listener& l
   }
 }
 
+std::string WhyNetworksOnCpu(const std::string& text, Device device, const DeviceSupport& support) {
+  if (text == "cpu") return "";
+  if (device.is_cpu()) return WhyNoGpu(support) + (support.built ? "" : " and with a libtorch that has CUDA");
+  return GetNetworks().has_cuda() ? "" : kNoCudaInLibtorch;
+}
+
 Device DeviceOfNetworks(const Networks& networks, Device device, const Listener& listener) {
   if (device.is_cpu() || networks.has_cuda()) return device;
-  listener(Warning{
-      "networks compute on the CPU: the libtorch behind them has no CUDA, or finds no GPU; build with one that has "
-      "(-DCMAKE_PREFIX_PATH=...)"});
+  listener(Warning{fmt::format("networks compute on the CPU: {}", kNoCudaInLibtorch)});
   return kCpu;
 }
 

@@ -28,6 +28,10 @@ int64_t FreeBytes(Device device);
 /// CUDA, or when the CPU was chosen on a machine with a GPU.
 void ReportDevice(Device device, const DeviceSupport& support, const Listener& listener);
 
+/// Why networks would compute on a CPU that nobody asked for, and what helps: the start of a message. "" where a GPU
+/// computes them, or `text`, --device, is "cpu". Loads the library of networks where the engine has a GPU.
+std::string WhyNetworksOnCpu(const std::string& text, Device device, const DeviceSupport& support);
+
 /// Device of networks beside an engine on `device`: the same one, or, with a warning, the CPU where their libtorch has
 /// no CUDA.
 Device DeviceOfNetworks(const Networks& networks, Device device, const Listener& listener);

@@ -5,7 +5,7 @@
 #include "oraclegs/baselines/methods.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/scene/frame.h"
-#include "oraclegs/validate/attention_layers.h"
+#include "oraclegs/validate/vggt_oracle.h"
 
 namespace oraclegs {
 

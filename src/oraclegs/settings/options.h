@@ -7,7 +7,7 @@
 #include <string>
 
 #include "oraclegs/baselines/settings.h"
-#include "oraclegs/capture/options.h"
+#include "oraclegs/capture/import.h"
 #include "oraclegs/core/options.h"
 #include "oraclegs/depth/stereo.h"
 #include "oraclegs/image/image.h"

@@ -1,7 +1,7 @@
 #include "oraclegs/settings/plan.h"
 
 #include "oraclegs/networks/loader.h"
-#include "oraclegs/validate/attention_layers.h"
+#include "oraclegs/validate/vggt_oracle.h"
 
 namespace oraclegs {
 namespace {
@@ -9,6 +9,17 @@ namespace {
 void RequireLayers(const RunOptions& options, const VggtWeights& weights) {
   if (weights.layers == 0) return;  // the network's weights are missing; loading them reports that
   RequireAttentionLayers(AttentionLayersOf(options.validate), weights.layers, weights.name);
+}
+
+/// Bytes of weights from which a network takes hours or days on a CPU. Those of Stable Virtual Camera and VGGT have
+/// five times as many.
+constexpr int64_t kLargeNetwork = 1'000'000'000;
+constexpr const char* kSevaWord = "seva";
+
+bool IsLarge(const std::vector<std::filesystem::path>& files) {
+  int64_t bytes = 0;
+  for (const std::filesystem::path& file : files) bytes += BytesOf(SafetensorsFile::Open(file));
+  return bytes >= kLargeNetwork;
 }
 
 /// Throws UsageError for a pass of VGGT over all images that the other options of the oracle do not allow: nothing can
@@ -21,6 +32,24 @@ void RequirePass(const ValidateOptions& options) {
   throw UsageError(
       "--set oracle-pass=all: needs --oracle vggt, --set oracle-mode=official and --set calibrate=false, as "
       "--preset paper-mipnerf360-12 sets them");
+}
+
+std::string OnCpu(const char* network, const char* time, const std::string& why) {
+  return fmt::format("{} would compute on the CPU, for {}: {}, or accept the CPU with --device cpu", network, time,
+                     why);
+}
+
+/// Keeps large networks off a CPU that nobody asked for. Throws UsageError where one is asked for itself.
+void RequireGpuForLargeNetworks(const RunOptions& options, Plan* plan) {
+  const bool seva = plan->Uses(options, kSevaWord) && IsLarge(FindWeights(kSevaWord, options.weights.seva_weights));
+  const bool vggt = plan->oracle.weights && plan->oracle.weights->bytes >= kLargeNetwork;
+  if (!seva && !vggt) return;
+  const std::string why = WhyNetworksOnCpu(options.device.device, plan->device, plan->support);
+  if (why.empty()) return;
+  if (seva) throw UsageError("--proposers {}: {}", kSevaWord, OnCpu("Stable Virtual Camera", "days", why));
+  const std::string of_vggt = OnCpu("VGGT", "hours", why);
+  if (!options.validate.oracle.is_auto()) throw UsageError("--oracle {}: {}", Word(plan->oracle.kind), of_vggt);
+  plan->oracle = {OracleKind::kConsistency, {}, of_vggt};
 }
 
 }  // namespace
@@ -64,6 +93,10 @@ VggtPrecision SettlePrecision(const ValidateOptions& asked, Device device) {
 
 void ReportOracleChoice(const RunOptions& options, const OracleChoice& choice, const Listener& listener) {
   if (!options.validate.oracle.is_auto()) return;
+  if (!choice.why_no_vggt.empty()) {
+    listener(Note{fmt::format("oracle: consistency of the images; {}", choice.why_no_vggt)});
+    return;
+  }
   if (choice.weights) {
     listener(Note{fmt::format("oracle: {} with the images ({})", choice.weights->name, choice.weights->path.string())});
     return;
@@ -95,6 +128,7 @@ Plan MakePlan(const RunOptions& options, bool has_poses) {
       RequireNetworksLibrary(fmt::format("--proposers {}", known.word));
     }
   }
+  RequireGpuForLargeNetworks(options, &plan);
   return plan;
 }
 

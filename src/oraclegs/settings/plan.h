@@ -29,6 +29,7 @@ bool NeedsDepth(const RunOptions& options);
 struct OracleChoice {
   OracleKind kind = OracleKind::kConsistency;
   std::optional<VggtWeights> weights = {};  ///< set for the kinds that use VGGT
+  std::string why_no_vggt = {};             ///< why VGGT is left alone though its weights are here; "" = it is not
 
   /// Text that identifies the choice in the key of a stage.
   std::string Key() const { return Word(kind) + (weights ? " " + weights->fingerprint : ""); }
@@ -61,8 +62,9 @@ struct Plan {
   }
 };
 
-/// has_poses: the scene's cameras are known. Throws InputError for weights that are asked for and missing, UsageError
-/// for a device that cannot be used.
+/// has_poses: the scene's cameras are known. On a CPU that --device cpu does not ask for, networks of the size of
+/// Stable Virtual Camera or VGGT take no part: --oracle auto does without. Throws InputError for weights that are asked
+/// for and missing, UsageError for a device that cannot be used and for such a network that is asked for.
 Plan MakePlan(const RunOptions& options, bool has_poses);
 
 /// Plan for a finished run that is only evaluated or rendered: device and LPIPS, no other network.

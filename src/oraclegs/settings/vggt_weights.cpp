@@ -5,6 +5,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/safetensors.h"
 #include "oraclegs/settings/fingerprint.h"
+#include "oraclegs/settings/weights.h"
 #include "oraclegs/weights/folder.h"
 
 namespace oraclegs {
@@ -41,7 +42,11 @@ VggtWeights Describe(const fs::path& path, const std::string& name) {
   const SafetensorsFile file = SafetensorsFile::Open(path);
   const auto model = file.metadata().find("model");
   const bool commercial = name == kCommercial || (model != file.metadata().end() && model->second == kCommercialModel);
-  return {path, commercial ? kCommercial : kResearch, Fingerprint().AddTensors(file).Hex(), commercial,
+  return {path,
+          commercial ? kCommercial : kResearch,
+          Fingerprint().AddTensors(file).Hex(),
+          commercial,
+          BytesOf(file),
           CountAttentionLayers(file)};
 }
 

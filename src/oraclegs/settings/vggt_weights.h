@@ -13,6 +13,7 @@ struct VggtWeights {
   std::string name;         ///< name of the network, "VGGT-1B"
   std::string fingerprint;  ///< fingerprint of the content, from a sample of each tensor
   bool commercial = false;  ///< false: its license forbids commercial use
+  int64_t bytes = 0;        ///< of all tensors
   int64_t layers = 0;       ///< number of blocks of global attention; 0 = the file has none under the network's names
 };
 

@@ -46,6 +46,12 @@ std::vector<fs::path> FindWeights(const std::string& model, const fs::path& give
   return files;
 }
 
+int64_t BytesOf(const SafetensorsFile& file) {
+  int64_t bytes = 0;
+  for (const auto& [name, tensor] : file.tensors()) bytes += static_cast<int64_t>(tensor.bytes.size());
+  return bytes;
+}
+
 std::string HowToFetch(const std::string& model) {
   return fmt::format("`oraclegs models fetch {}` brings them", model);
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "oraclegs/core/safetensors.h"
 #include "oraclegs/settings/options.h"
 
 namespace oraclegs {
@@ -20,6 +21,9 @@ std::vector<std::filesystem::path> FindWeights(const std::string& model, const s
 
 /// Files of LPIPS from --lpips-weights or the models folder; empty when there are none. Throws as FindWeights.
 std::vector<std::filesystem::path> FindLpips(const WeightOptions& options);
+
+/// Bytes of all tensors of a file.
+int64_t BytesOf(const SafetensorsFile& file);
 
 /// "`oraclegs models fetch NAME` brings them", for messages.
 std::string HowToFetch(const std::string& model);

@@ -9,7 +9,6 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/core/find_program.h"
 #include "oraclegs/core/host.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/text.h"

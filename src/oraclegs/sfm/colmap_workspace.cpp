@@ -8,7 +8,6 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/core/find_program.h"
 #include "oraclegs/core/folder_lock.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/core/unique_json.h"

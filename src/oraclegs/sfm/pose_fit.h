@@ -3,6 +3,7 @@
 // the usual mistakes they fit better with (docs/method.md#given-poses).
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -62,5 +63,13 @@ PoseFit FitPoses(const Scene& scene, const std::vector<int>& views, const std::v
 /// are damaged.
 std::optional<PoseFit> FitPosesOf(const Scene& scene, const std::vector<int>& views, const Eigen::Vector3d& origin,
                                   const std::filesystem::path& work_dir, const Listener& listener);
+
+/// One line: how far the poses are off, in which views, by which mistake, and how to fix it; "" for poses that fit, or
+/// of which nothing is known.
+std::string DescribeMisfit(const Scene& scene, const PoseFit& fit);
+
+/// {"verdict", "matches", "error_pixels", "share", "views": [{"name", "matches", "error_pixels", "share"}]}; errors in
+/// pixels of the photos.
+nlohmann::json ToJson(const PoseFit& fit);
 
 }  // namespace oraclegs

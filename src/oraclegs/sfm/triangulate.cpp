@@ -1,4 +1,4 @@
-#include "oraclegs/sfm/triangulate.h"
+#include "oraclegs/sfm/register_views.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 #include "oraclegs/core/text.h"
 #include "oraclegs/scene/colmap_files.h"
 #include "oraclegs/scene/colmap_model.h"
-#include "oraclegs/scene/point_ply.h"
+#include "oraclegs/scene/scene.h"
 #include "oraclegs/sfm/choose_pairs.h"
 #include "oraclegs/sfm/colmap_database.h"
 #include "oraclegs/sfm/colmap_runner.h"

@@ -1,4 +1,4 @@
-#include "oraclegs/stages/depth_stage.h"
+#include "oraclegs/stages/stage_works.h"
 
 #include <algorithm>
 #include <memory>
@@ -6,10 +6,10 @@
 
 #include "oraclegs/core/text.h"
 #include "oraclegs/depth/depth_files.h"
+#include "oraclegs/depth/fusion.h"
 #include "oraclegs/depth/gains.h"
 #include "oraclegs/depth/overlap.h"
 #include "oraclegs/depth/plane_search.h"
-#include "oraclegs/depth/prior_points.h"
 #include "oraclegs/depth/stereo.h"
 #include "oraclegs/networks/networks.h"
 #include "oraclegs/scene/frame_comments.h"
@@ -22,6 +22,7 @@ namespace {
 
 constexpr int kMonocularVersion = 2;         // likewise, of maps in which a network takes part
 constexpr int kDepthNetworkSide = 518;       // that Depth Anything reads of the shorter side
+constexpr size_t kMinDensePoints = 1000;     // fewer are joined by a network's, where there is one
 constexpr double kMinConfidentShare = 0.02;  // of a view's pixels, below which next to nothing is known
 constexpr double kMinPromised = .3;          // of the pixels: where fewer are seen twice, little depth is no wonder
 constexpr double kMinKept = .35;             // of these: textureless rooms keep more (docs/method.md#depth-confidence)

@@ -4,11 +4,13 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/host.h"
 #include "oraclegs/core/statistics.h"
+#include "oraclegs/evaluate/evaluate.h"
 #include "oraclegs/evaluate/support_quality.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/gaussians/transform.h"
 #include "oraclegs/scene/frame.h"
 #include "oraclegs/scene/frame_comments.h"
+#include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/stages/metrics.h"
 #include "oraclegs/stages/perceptual.h"
 #include "oraclegs/stages/stage_clock.h"
@@ -17,7 +19,6 @@
 
 namespace oraclegs {
 namespace {
-
 namespace fs = std::filesystem;
 
 /// Where nothing is held out, the training views are rendered, so that there is something to look at.
@@ -136,6 +137,21 @@ StageWork EvaluateStage() {
                 return kScore + SecondsOfScores(input, input.test_views > 0 ? input.test_views : input.scene.views);
               },
           .uses_network = [](const Run& run) { return !run.plan.lpips.empty(); }};
+}
+
+TestScore TestScoreOf(const Run& run) {
+  const int64_t every = run.options.checkpoints.eval_every;
+  if (every == 0) return {};
+  if (run.split.test.empty()) {
+    run.listener(Warning{"--eval-every: there are no test views; train.csv has no PSNR"});
+    return {};
+  }
+  const auto views =
+      std::make_shared<const std::vector<LoadedView>>(LoadViews(run.scene, run.split.test, run.plan.image, Silent()));
+  RenderOptions render;
+  render.background = BackgroundColor(run.options.image.background);
+  render.antialiased = run.options.train.antialiased;
+  return {every, [=](const Gaussians& gaussians) { return MeanPsnr(gaussians, *views, render); }};
 }
 
 }  // namespace oraclegs

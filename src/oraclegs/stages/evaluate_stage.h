@@ -7,6 +7,7 @@
 #include "oraclegs/evaluate/evaluate.h"
 #include "oraclegs/gaussians/gaussians.h"
 #include "oraclegs/render/render.h"
+#include "oraclegs/stages/run_observer.h"
 #include "oraclegs/stages/stage.h"
 
 namespace oraclegs {
@@ -36,5 +37,8 @@ nlohmann::json ScoreModel(const Model& model, const std::vector<LoadedView>& vie
 /// Stage "evaluate": scores point_cloud.ply on the test views and writes renders/test/*.png and metrics.json. Also run
 /// again when the point cloud is another file.
 StageWork EvaluateStage();
+
+/// How --eval-every scores the run's test views while it trains; never, without it or without test views. Loads them.
+TestScore TestScoreOf(const Run& run);
 
 }  // namespace oraclegs

@@ -3,9 +3,17 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/core/unique_json.h"
+#include "oraclegs/evaluate/block_quality.h"
+#include "oraclegs/evaluate/oracle_quality.h"
+#include "oraclegs/image/read_image.h"
+#include "oraclegs/propose/proposal_files.h"
+#include "oraclegs/scene/loaded_view.h"
+#include "oraclegs/stages/stage_works.h"
 #include "oraclegs/workspace/non_commercial.h"
 
 namespace oraclegs {
@@ -27,6 +35,57 @@ std::vector<std::string> InputWarnings(const Run& run) {
   std::erase(warnings, "");
   return warnings;
 }
+
+/// Proposals whose images exist, all together.
+struct MeasuredProposals {
+  std::vector<float> errors, confidence;  ///< values of the pixels that count
+  BlockSamples blocks, uniform_blocks;
+  double psnr = 0;  ///< sum over the views
+  int views = 0;
+
+  /// Compares the proposal at a view's pose with its image. Throws InputError for files of another size.
+  void Add(const Run& run, int v) {
+    const std::string name = FileName(run.scene.views[static_cast<size_t>(v)].name) + ".png";
+    const auto image = run.workspace.proposals() / name, map = run.workspace.confidence() / name;
+    const LoadedView truth = LoadViews(run.scene, {v}, run.plan.image, run.listener).front();
+    const ImageF proposal = ToFloat(ReadImage(image)), trust = ToFloat(ReadImage(map));
+    if (proposal.data.size() != truth.rgb.data.size() || trust.data.size() != truth.rgb.data.size()) {
+      throw InputError("{}: is not of its view's size; delete it and run `oraclegs validate` again", image.string());
+    }
+    ErrorMap of_view{truth.rgb.width, truth.rgb.height, {}, {}, {}};
+    double squares = 0;
+    size_t counted = 0;
+    for (size_t i = 0; i < truth.rgb.data.size() / 3; ++i) {
+      float error = 0;
+      double of_pixel = 0;
+      for (size_t c = 3 * i; c < 3 * i + 3; ++c) {
+        const float d = proposal.data[c] - truth.rgb.data[c];
+        error += std::abs(d) / 3;
+        of_pixel += static_cast<double>(d) * static_cast<double>(d);
+      }
+      of_view.error.push_back(error);
+      of_view.confidence.push_back(trust.data[3 * i]);
+      of_view.counts.push_back(truth.mask.empty() || truth.mask[i] != 0);
+      if (!of_view.counts.back()) continue;
+      errors.push_back(error);
+      confidence.push_back(trust.data[3 * i]);
+      squares += of_pixel;
+      ++counted;
+    }
+    if (counted == 0) return;
+    blocks.Add(of_view);
+    of_view.confidence.assign(of_view.confidence.size(), 1.f);
+    uniform_blocks.Add(of_view);
+    psnr -= 10 * std::log10(squares / (3 * static_cast<double>(counted)));
+    ++views;
+  }
+
+  nlohmann::json Quality(const BlockSamples& of_blocks, const std::vector<float>& of_pixels) const {
+    nlohmann::json quality = ToJson(OracleQuality::FromPixels(errors, of_pixels));
+    quality["blocks"] = ToJson(of_blocks.Quality());
+    return quality;
+  }
+};
 
 }  // namespace
 
@@ -107,6 +166,60 @@ nlohmann::json ReadMetrics(const std::filesystem::path& workspace) {
     throw InputError("{}: not valid JSON; delete it and run `oraclegs evaluate`", path.string());
   }
   return json;
+}
+
+using nlohmann::json;
+
+std::string StageTable(const std::vector<Stage>& stages, const json& before, const json& after) {
+  std::vector<std::vector<std::string>> lines = {{"stage", "time", "predicted", "result"}};
+  double total = 0, kept = 0, predicted_total = 0;
+  bool any_predicted = false, all_predicted = true;
+  for (const Stage& stage : stages) {
+    if (!after.contains(stage.name) || !after[stage.name].is_object()) continue;
+    const json& record = after[stage.name];
+    const double seconds = record.value("seconds", 0.0), predicted = record.value("predicted_seconds", 0.0);
+    const bool unchanged = before.contains(stage.name) && before[stage.name] == record;
+    lines.push_back({stage.name, FormatSeconds(seconds), predicted > 0 ? FormatSeconds(predicted) : "",
+                     stage.work.summary(record) + (unchanged ? " (unchanged)" : "")});
+    total += seconds, predicted_total += predicted;
+    kept += unchanged ? seconds : 0;
+    any_predicted = any_predicted || predicted > 0;
+    all_predicted = all_predicted && predicted > 0;
+  }
+  lines.push_back({"total", FormatSeconds(total), all_predicted ? FormatSeconds(predicted_total) : "",
+                   kept > 0 ? fmt::format("{} in this run", FormatSeconds(total - kept)) : ""});
+  if (any_predicted) return AlignColumns(lines, "lrrl");
+  for (auto& line : lines) line.erase(line.begin() + 2);
+  return AlignColumns(lines, "lrl");
+}
+
+nlohmann::json ReportOracle(const Run& run) {
+  const nlohmann::json record = run.workspace.Record("validate");
+  const nlohmann::json validated =
+      record.is_object() ? record.value("mean_confidence", nlohmann::json::object()) : nlohmann::json::object();
+  MeasuredProposals measured;
+  for (const int v : SpareViews(run)) {
+    if (validated.contains(FileName(run.scene.views[static_cast<size_t>(v)].name))) measured.Add(run, v);
+  }
+  if (validated.empty()) {
+    throw InputError(
+        "{}: holds no validated proposals; run `oraclegs validate` with --trajectory dataset and --views N below the "
+        "number of photos",
+        run.workspace.root().string());
+  }
+  if (measured.views == 0) {
+    throw InputError(
+        "{}: no proposal has the pose of a view that neither trains nor tests; only --trajectory dataset "
+        "with --views N below the number of photos can be measured",
+        run.workspace.root().string());
+  }
+  nlohmann::json report = {
+      {"views", measured.views},
+      {"psnr", measured.psnr / measured.views},
+      {"oracle", measured.Quality(measured.blocks, measured.confidence)},
+      {"uniform", measured.Quality(measured.uniform_blocks, std::vector<float>(measured.errors.size(), 1.f))}};
+  WriteFileAtomically(run.workspace.root() / "oracle.json", report.dump(2) + "\n");
+  return report;
 }
 
 }  // namespace oraclegs

@@ -1,4 +1,4 @@
-#include "oraclegs/stages/propose_stage.h"
+#include "oraclegs/stages/stage_works.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "oraclegs/stages/register_stage.h"
+#include "oraclegs/stages/stage_works.h"
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/text.h"

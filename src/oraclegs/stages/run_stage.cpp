@@ -1,4 +1,4 @@
-#include "oraclegs/stages/run_stage.h"
+#include "oraclegs/stages/stage.h"
 
 #include <algorithm>
 #include <map>

@@ -1,11 +1,11 @@
-#include "oraclegs/stages/sfm_stage.h"
+#include "oraclegs/stages/stage_works.h"
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/settings/from_results.h"
 #include "oraclegs/sfm/pose_check.h"
-#include "oraclegs/sfm/pose_fit_words.h"
-#include "oraclegs/sfm/triangulate.h"
+#include "oraclegs/sfm/pose_fit.h"
+#include "oraclegs/sfm/register_views.h"
 #include "oraclegs/stages/stage_seconds.h"
 
 namespace oraclegs {

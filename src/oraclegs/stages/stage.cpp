@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/depth/gains.h"
 
 namespace oraclegs {
 
@@ -42,6 +43,14 @@ const Stage& StageNamed(const std::vector<Stage>& stages, const std::string& nam
     if (stage.name == name) return stage;
   }
   throw RunError("there is no stage {}", name);
+}
+
+bool Geometry::HasVariedExposure() const { return ExposureSpread(gains) > kVariedExposure; }
+
+FusionOptions FusionOf(const std::vector<Eigen::Vector3f>& gains) {
+  FusionOptions options;
+  if (ExposureSpread(gains) > kVariedExposure) options.gains = gains;
+  return options;
 }
 
 }  // namespace oraclegs

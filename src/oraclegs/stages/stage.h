@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "oraclegs/core/progress.h"
+#include "oraclegs/depth/depth_map.h"
+#include "oraclegs/depth/fusion.h"
 #include "oraclegs/depth/silhouettes.h"
 #include "oraclegs/propose/ensemble.h"
 #include "oraclegs/propose/folder.h"
@@ -20,11 +22,28 @@
 #include "oraclegs/settings/options.h"
 #include "oraclegs/settings/plan.h"
 #include "oraclegs/stages/candidates.h"
-#include "oraclegs/stages/geometry.h"
 #include "oraclegs/train/train_view.h"
 #include "oraclegs/workspace/workspace.h"
 
 namespace oraclegs {
+
+/// Exposures that spread by more than this (ExposureSpread) really differ, and are learned by --exposure auto. Gloss
+/// and shadow alone make 0.07 of images of one exposure (lego); a phone that holds its exposure 0.10 (fox).
+inline constexpr double kVariedExposure = 0.15;
+
+/// The depth of the training views, from stereo, a network or both (--depth-prior).
+struct Geometry {
+  std::vector<DepthMap> maps;  ///< one for each view; empty without depth
+  /// Fused; in the mean exposure of the images where exposures vary. With what a network predicts where confident
+  /// pixels give few.
+  std::vector<DensePoint> points;
+  std::vector<Eigen::Vector3f> gains;  ///< gains of the images' exposures (depth/gains.h)
+
+  bool HasVariedExposure() const;
+};
+
+/// How images of such exposures are fused: colors are freed of them where they vary.
+FusionOptions FusionOf(const std::vector<Eigen::Vector3f>& gains);
 
 class RunObserver;
 struct EstimateInput;
@@ -89,7 +108,7 @@ const TrainingViews& ViewsOf(Run* run);
 /// suffices.
 std::optional<std::vector<LoadedView>> LargerViews(const Run& run, int shorter_side);
 
-/// Work of a stage and what is known of it; each *_stage.h has one.
+/// Work of a stage and what is known of it; stage_works.h has those of all stages.
 struct StageWork {
   bool (*wanted)(const Run& run);  ///< false: this run has no such stage, and its results are empty
   /// Adds its own options, and what it reads that no stage has made.
@@ -128,5 +147,23 @@ struct Stage {
 
 /// The row of this name. Throws RunError where there is none.
 const Stage& StageNamed(const std::vector<Stage>& stages, const std::string& name);
+
+// What caching needs, once for all stages: key, skip, undo, run, time, record.
+
+/// SHA-256 of name, version, own options and inputs, and of the keys of the stages it needs; "" for a stage that the
+/// run does not want.
+std::string StageKey(Run* run, const std::vector<Stage>& stages, const std::string& name);
+
+/// True when the stage was finished under its present key and its files are still there.
+bool IsUpToDate(Run* run, const std::vector<Stage>& stages, const std::string& name);
+
+/// Brings a stage up to date, after those it needs: its result is then held in run->results, its files and its record
+/// are in the workspace. A stage that was finished under the same key is read back, or left alone where its result is
+/// its files; every other one is forgotten, undone and run. Throws what stages throw; a stage that was stopped is not
+/// believed to be finished.
+void RunStage(Run* run, const std::vector<Stage>& stages, const std::string& name);
+
+/// Brings this stage alone up to date, from the files of those it needs as they are, up to date or not.
+void RunStageAlone(Run* run, const std::vector<Stage>& stages, const std::string& name);
 
 }  // namespace oraclegs

@@ -12,7 +12,7 @@ struct EstimateInput {
   int photos = 0;       ///< number that is registered; 0 where the scene has poses
   int test_views = 0;   ///< held out
   int other_views = 0;  ///< neither train nor test: poses of --trajectory dataset
-  double slowness = 1;  ///< factor of the machine's time to the reference machine's (run/speed_probe.h)
+  double slowness = 1;  ///< factor of the machine's time to the reference machine's (run/time_estimate.h)
   double covered = 1;   ///< share of the pixels that show something: the background of an object costs little
 };
 

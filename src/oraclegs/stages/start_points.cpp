@@ -4,8 +4,7 @@
 #include <utility>
 
 #include "oraclegs/core/text.h"
-#include "oraclegs/depth/plane_fill.h"
-#include "oraclegs/depth/prior_points.h"
+#include "oraclegs/depth/fusion.h"
 #include "oraclegs/settings/from_results.h"
 
 namespace oraclegs {

@@ -11,8 +11,8 @@ namespace oraclegs {
 PointCloud ToPointCloud(const std::vector<DensePoint>& points);
 
 /// A dense start of at most `budget` points: those of the geometry; unless --set init-planes=false, what extrapolates
-/// their planes where stereo found nothing (depth/plane_fill.h); and what a network predicts in the rest
-/// (prior_points.h). `views` belong to `geometry.maps`. Nothing when stereo found nothing.
+/// their planes where stereo found nothing (depth/fusion.h); and what a network predicts in the rest
+/// (there, too). `views` belong to `geometry.maps`. Nothing when stereo found nothing.
 PointCloud DenseStart(const StartOptions& options, const std::vector<LoadedView>& views, const Geometry& geometry,
                       size_t budget);
 

@@ -1,4 +1,4 @@
-#include "oraclegs/stages/train_stage.h"
+#include "oraclegs/stages/stage_works.h"
 
 #include <optional>
 #include <utility>
@@ -12,13 +12,12 @@
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/gaussians/transform.h"
 #include "oraclegs/scene/frame_comments.h"
+#include "oraclegs/stages/evaluate_stage.h"
 #include "oraclegs/stages/perceptual.h"
 #include "oraclegs/stages/proposer_row.h"
-#include "oraclegs/stages/pseudo_depth.h"
 #include "oraclegs/stages/stage_clock.h"
 #include "oraclegs/stages/stage_seconds.h"
 #include "oraclegs/stages/start_points.h"
-#include "oraclegs/stages/test_score.h"
 #include "oraclegs/stages/train_inputs.h"
 #include "oraclegs/train/checkpoint_folder.h"
 #include "oraclegs/train/train_device.h"

@@ -1,4 +1,4 @@
-#include "oraclegs/stages/validate_stage.h"
+#include "oraclegs/stages/stage_works.h"
 
 #include <algorithm>
 #include <cmath>

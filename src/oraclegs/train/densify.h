@@ -46,12 +46,4 @@ struct DensifierSetup {
 };
 using DensifierMaker = std::function<std::unique_ptr<Densifier>(const DensifierSetup& setup)>;
 
-/// Whether Gaussians may be added or removed after this iteration: before --set refine-stop, and never after the last
-/// one, whose model is scored without further training. Options are settled.
-bool IsBeforeRefineStop(const TrainOptions& options, int64_t iteration);
-
-/// Whether densification takes place after this iteration: every --set refine-every between --set refine-start and
-/// --set refine-stop, of settled options.
-bool Refines(const TrainOptions& options, int64_t iteration);
-
 }  // namespace oraclegs

@@ -84,6 +84,17 @@ struct TrainOptions : TrainConstants {
   /// Number of iterations that the schedules of rates and weights span.
   int64_t Horizon() const { return horizon > 0 ? horizon : iterations; }
 
+  /// Whether Gaussians may be added or removed after this iteration: before --set refine-stop, and never after the last
+  /// one, whose model is scored without further training.
+  bool IsBeforeRefineStop(int64_t iteration) const {
+    return iteration < iterations && static_cast<double>(iteration) < refine_stop * static_cast<double>(Horizon());
+  }
+  /// Whether densification takes place after this iteration: every --set refine-every between --set refine-start and
+  /// --set refine-stop.
+  bool Refines(int64_t iteration) const {
+    return IsBeforeRefineStop(iteration) && iteration > refine_start && iteration % refine_every == 0;
+  }
+
   /// Probability schedule of proposals, as --schedule says.
   ProposalSchedule Proposals() const {
     if (schedule == ScheduleKind::kNone) return {0, 0};

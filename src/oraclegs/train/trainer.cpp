@@ -84,7 +84,7 @@ Iteration Trainer::State::NextIteration() {
   next.sh_degree = std::min(ActiveShDegree(i, options.sh_degree_interval), options.sh_degree);
   next.view = sampler.Next(SyntheticProbability(i, options.Horizon(), options.Proposals()));
   next.moves = !IsLast(i);
-  next.refines = Refines(options, i);
+  next.refines = options.Refines(i);
   // Also after the last relocation, since oversized Gaussians grow until the end.
   next.caps_scales = options.largest_scale > 0 && i % options.refine_every == 0;
   return next;

@@ -1,6 +1,6 @@
 #include "oraclegs/train/view_loss.h"
 
-#include "oraclegs/loss/masked_l1.h"
+#include "oraclegs/loss/depth_losses.h"
 
 namespace oraclegs {
 namespace {

@@ -5,7 +5,6 @@
 
 #include "oraclegs/core/text.h"
 #include "oraclegs/networks/loader.h"
-#include "oraclegs/validate/attention_layers.h"
 #include "oraclegs/validate/vggt_oracle.h"
 
 namespace oraclegs {

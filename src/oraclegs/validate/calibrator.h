@@ -8,10 +8,23 @@
 #include <utility>
 #include <vector>
 
-#include "oraclegs/validate/isotonic.h"
 #include "oraclegs/validate/logistic.h"
 
 namespace oraclegs {
+
+/// Non-decreasing step function nearest to samples (x, y) in least squares, by pooling adjacent violators [Ayer 1955],
+/// for calibration [Zadrozny 2002]. Values between the middles of its steps are interpolated linearly.
+class Isotonic {
+ public:
+  /// Identity.
+  Isotonic() = default;
+  /// Fits samples in any order; the identity when there are none.
+  static Isotonic Fit(std::vector<std::pair<float, float>> samples);
+  float operator()(float x) const;
+
+ private:
+  std::vector<float> x_, y_;  ///< ascending
+};
 
 /// Pixels of a proposal with their features and their known errors.
 struct PixelSamples {

@@ -13,7 +13,7 @@
 namespace oraclegs {
 
 /// Confidence = the similarity that pixels with such features had in held-out views, smoothed where it comes from the
-/// images (smooth.h). It never reads a test view. The referenced objects must outlive it.
+/// images (Smooth). It never reads a test view. The referenced objects must outlive it.
 class ConsistencyOracle : public Oracle {
  public:
   ConsistencyOracle(FeatureSource features, const std::vector<LoadedView>& views, LevelRule rule = LevelRule::kFitted)
@@ -48,5 +48,10 @@ class ConsistencyOracle : public Oracle {
   const std::vector<LoadedView>& views_;
   Calibrator calibrator_;
 };
+
+/// Replaces each pixel by the weighted mean of the 5x5 around it, with weights (1 4 6 4 1) along both axes, normalized
+/// at the border. A prediction from one pixel's features is noisy; its neighbors show the same surface, and a misplaced
+/// proposal is wrong on both sides of an edge. Throws ShapeError when the map has not width * height pixels.
+void Smooth(int width, int height, ConfidenceMap* map);
 
 }  // namespace oraclegs

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <thread>
 
-#include "oraclegs/core/find_program.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/text.h"
 
 namespace oraclegs {

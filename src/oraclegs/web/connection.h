@@ -1,11 +1,12 @@
 #pragma once
-// One connection of the server: limits on the size and the duration of a client's requests.
+// The connections of the server, limited in number, and their requests in size and duration.
 
 #include <httplib.h>
 
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <memory>
 #include <string>
 
 namespace oraclegs {
@@ -43,6 +44,23 @@ class Connection : public httplib::Stream {
   size_t bytes_left_ = 0;  ///< bytes that the request may still send
   Clock::time_point request_deadline_, answer_begin_;
   size_t written_ = 0;  ///< bytes written of the answer
+};
+
+/// A server of such connections, limited in number. A request with a body or another method than GET and
+/// HEAD ends its connection, the body unread; Range, Expect and Accept-Encoding are ignored. It listens once.
+class LimitedServer : public httplib::Server {
+ public:
+  /// Starts the workers. Throws RunError where the system gives no thread.
+  LimitedServer();
+  /// Ends the open connections within a moment, so that stop() does not wait for clients.
+  void StopConnections() { stopping_ = true; }
+
+ private:
+  bool process_and_close_socket(socket_t socket) override;
+  void Serve(socket_t socket);
+
+  std::unique_ptr<httplib::TaskQueue> workers_;  ///< null once it listens
+  std::atomic<bool> stopping_ = false;
 };
 
 }  // namespace oraclegs

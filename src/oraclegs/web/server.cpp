@@ -12,7 +12,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/web/assets.h"
-#include "oraclegs/web/limited_server.h"
+#include "oraclegs/web/connection.h"
 #include "oraclegs/web/routes.h"
 #include "oraclegs/web/site.h"
 

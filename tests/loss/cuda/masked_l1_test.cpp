@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "oraclegs/loss/masked_l1.h"
+#include "oraclegs/loss/depth_losses.h"
 #include "support/buffers.h"
 #include "support/device_buffers.h"
 

@@ -1,8 +1,8 @@
-#include "oraclegs/networks/lpips/perceptual_network.h"
+#include "oraclegs/networks/lpips/lpips.h"
 
 #include "networks/golden_tensors.h"
 #include "networks/network_files.h"
-#include "oraclegs/networks/common/tensor_buffer.h"
+#include "oraclegs/networks/common/tensor.h"
 #include "support/temp_dir.h"
 
 namespace oraclegs {

@@ -1,4 +1,4 @@
-#include "oraclegs/networks/seva/cost.h"
+#include "bench/networks/seva_cost.h"
 
 #include "networks/fixtures.h"
 

@@ -1,4 +1,4 @@
-#include "oraclegs/networks/seva/group_norm.h"
+#include "oraclegs/networks/seva/norms.h"
 
 #include "networks/fixtures.h"
 

@@ -1,17 +1,21 @@
 #include "oraclegs/output/live/live.h"
 
+#include <gtest/gtest.h>
+
 #include <nlohmann/json.hpp>
 
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/formats/splat.h"
+#include "oraclegs/formats/codecs.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/run/reconstruct.h"
 #include "run/fixtures.h"
 #include "support/buffers.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
-
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
@@ -193,6 +197,31 @@ TEST_F(LiveTest, OverwriteRemovesIt) {
   Reconstruct(request, Silent());
   EXPECT_EQ(ReadCurves(temp / "out" / "train.csv").size(), 5u);
   EXPECT_FALSE(fs::exists(temp / "out" / "live" / "splat.splat")) << "the report has the splat";
+}
+
+TEST(SnapshotClock, TheFirstIsDueAtOnceAndCheapOnesEveryThreeSeconds) {
+  SnapshotClock clock;
+  EXPECT_TRUE(clock.IsDue(0));
+  clock.Took(0.1, 0.01);
+  EXPECT_FALSE(clock.IsDue(3));
+  EXPECT_TRUE(clock.IsDue(3.2));
+}
+
+TEST(SnapshotClock, DearOnesAreAtMostAFiftieth) {
+  SnapshotClock clock;
+  clock.Took(10, 2);
+  EXPECT_FALSE(clock.IsDue(109));
+  EXPECT_TRUE(clock.IsDue(110));
+}
+
+TEST(WriteSnapshot, WritesASplat) {
+  TempDir dir;
+  Gaussians gaussians = Gaussians::Zeros(7);
+  Flat(gaussians.quats).setConstant(0.5f);
+  gaussians.means[20] = 3;
+  EXPECT_GE(WriteSnapshot(dir / "a.splat", gaussians), 0);
+  EXPECT_EQ(ReadFile(dir / "a.splat"), EncodeSplat(gaussians));
+  EXPECT_THROW(WriteSnapshot(dir / "missing" / "a.splat", gaussians), RunError);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "oraclegs/output/report/report_stage.h"
+#include "oraclegs/output/report/run_document.h"
 
 #include <gmock/gmock.h>
 

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "oraclegs/formats/spz.h"
+#include "oraclegs/formats/codecs.h"
 #include "run/trained.h"
 
 namespace oraclegs {

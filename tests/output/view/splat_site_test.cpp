@@ -5,7 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "oraclegs/formats/spz.h"
+#include "oraclegs/formats/codecs.h"
 #include "oraclegs/web/site.h"
 #include "run/fixtures.h"
 #include "support/buffers.h"

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/core/folder_lock.h"
-#include "oraclegs/formats/sog.h"
+#include "oraclegs/formats/codecs.h"
 #include "oraclegs/formats/zip_archive.h"
 #include "oraclegs/output/info.h"
 #include "run/trained.h"

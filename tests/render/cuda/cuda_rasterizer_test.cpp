@@ -2,8 +2,6 @@
 
 #include "oraclegs/render/render.h"
 
-#include "oraclegs/render/cuda/stages.h"
-
 #include "render/cuda/device_scenes.h"
 #include "render/golden_scene.h"
 #include "render/reference_raster.h"
@@ -126,20 +124,6 @@ INSTANTIATE_TEST_SUITE_P(
 class CudaRasterizerTest : public CudaTest {
  protected:
   RenderTask task{RandomGaussians(120, 0.1, 4), FrontCamera(40, 30)};
-};
-
-/// Writes the gradients.
-class WritingConsumer final : public GradientConsumer {
- public:
-  explicit WritingConsumer(Gaussians* grads) : grads_(grads) {}
-  void ConsumeOnDevice(const cuda::GaussianBackwardInput& in) override {
-    ++calls;
-    cuda::WriteGaussianGrads(in, grads_->Rows());
-  }
-  int calls = 0;
-
- private:
-  Gaussians* grads_;
 };
 
 TEST_F(CudaRasterizerTest, PassesTheSameGradientsToAConsumer) {

@@ -1,6 +1,7 @@
 #pragma once
 // Scenes on the device under test, and their renders back on the CPU.
 
+#include "oraclegs/render/cuda/stages.h"
 #include "oraclegs/render/render.h"
 #include "render/scenes.h"
 #include "support/buffers.h"
@@ -17,6 +18,20 @@ inline Gaussians OnTestDevice(const Gaussians& g) {
 inline RenderGrads OnTestDevice(const RenderGrads& g) {
   return {OnTestDevice(g.image), OnTestDevice(g.alpha), OnTestDevice(g.inv_depth)};
 }
+
+/// Writes the gradients.
+class WritingConsumer final : public GradientConsumer {
+ public:
+  explicit WritingConsumer(Gaussians* grads) : grads_(grads) {}
+  void ConsumeOnDevice(const cuda::GaussianBackwardInput& in) override {
+    ++calls;
+    cuda::WriteGaussianGrads(in, grads_->Rows());
+  }
+  int calls = 0;
+
+ private:
+  Gaussians* grads_;
+};
 
 /// A view of a scene, with the requested outputs.
 struct RenderTask {

@@ -16,7 +16,7 @@ namespace oraclegs {
 namespace {
 
 constexpr int kSplats = 4096;
-constexpr int kValues = 9 + 11 + 16 + 3;  // projection, gradient, SH basis, SH gradient
+constexpr int kValues = 9 + 11 + 16 + 3 + kCameraSums;  // projection, gradient, SH basis, SH gradient, camera
 
 /// Everything the header computes for one Gaussian, as one row.
 template <class F>
@@ -38,7 +38,8 @@ ORACLEGS_HD void Evaluate(const float* in, bool antialiased, F* out) {
   const auto chain = cuda::EvaluateChain(raw, camera);
   const auto p = cuda::Project(chain, camera);
   const cuda::ProjectedGrad<F> up{F(0.3), F(-0.2), F(0.7), F(0.1), F(-0.4), F(0.9), F(0.5)};
-  const auto g = cuda::ProjectBackward(chain, camera, up);
+  const auto space = cuda::ProjectBackward(chain, camera, up);
+  const auto g = cuda::RawBackward(chain, camera, space);
   const F projected[9] = {p.mx, p.my, p.z, p.conic_a, p.conic_b, p.conic_c, p.cov_a, p.cov_c, p.opacity};
   const F grad[11] = {g.mean.x, g.mean.y, g.mean.z, g.log_scale.x, g.log_scale.y, g.log_scale.z,
                       g.qw,     g.qx,     g.qy,     g.qz,          g.logit};
@@ -51,6 +52,8 @@ ORACLEGS_HD void Evaluate(const float* in, bool antialiased, F* out) {
   for (int k = 0; k < 11; ++k) out[9 + k] = grad[k];
   for (int k = 0; k < 16; ++k) out[20 + k] = basis[k];
   out[36] = sh.x, out[37] = sh.y, out[38] = sh.z;
+  const auto camera_terms = cuda::CameraBackward(chain, camera, up, space, g.mean);
+  for (int k = 0; k < kCameraSums; ++k) out[39 + k] = camera_terms.of[k];
 }
 
 __global__ void EvaluateAll(const float* in, bool antialiased, float* out) {

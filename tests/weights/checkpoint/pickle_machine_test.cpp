@@ -1,4 +1,4 @@
-#include "oraclegs/weights/checkpoint/pickle_machine.h"
+#include "oraclegs/weights/checkpoint/pickle_heap.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

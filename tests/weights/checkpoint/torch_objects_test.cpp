@@ -1,10 +1,9 @@
-#include "oraclegs/weights/checkpoint/torch_objects.h"
+#include "oraclegs/weights/checkpoint/pickle_heap.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/weights/checkpoint/pickle_machine.h"
 #include "support/errors.h"
 #include "torch_bytes.h"
 

@@ -15,7 +15,7 @@
 #include "oraclegs/experiments/bench/run_record.h"
 #include "oraclegs/experiments/series.h"
 #include "oraclegs/settings/plan.h"
-#include "oraclegs/stages/propose_stage.h"
+#include "oraclegs/stages/stage_works.h"
 #include "oraclegs/workspace/stage_records.h"
 #include "oraclegs/workspace/stage_sharing.h"
 #include "oraclegs/workspace/workspace.h"

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/find_program.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/subprocess.h"
 #include "oraclegs/core/text.h"
 

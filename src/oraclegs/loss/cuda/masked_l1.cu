@@ -1,7 +1,7 @@
 #include "oraclegs/loss/cuda/masked_l1.h"
 
 #include "oraclegs/core/cuda/launch.h"
-#include "oraclegs/loss/cuda/sums-inl.cuh"
+#include "oraclegs/core/cuda/sums-inl.cuh"
 
 namespace oraclegs::cuda {
 namespace {

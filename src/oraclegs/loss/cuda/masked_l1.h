@@ -1,5 +1,5 @@
 #pragma once
-// The terms of depth and alpha on a GPU; loss/masked_l1.h is their CPU version.
+// The terms of depth and alpha on a GPU; loss/depth_losses.h is their CPU version.
 
 #include <cuda_runtime.h>
 

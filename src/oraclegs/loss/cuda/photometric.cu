@@ -6,7 +6,7 @@
 #include "oraclegs/loss/cuda/photometric.h"
 
 #include "oraclegs/core/cuda/launch.h"
-#include "oraclegs/loss/cuda/sums-inl.cuh"
+#include "oraclegs/core/cuda/sums-inl.cuh"
 #include "oraclegs/loss/ssim_math-inl.h"
 #include "oraclegs/loss/ssim_window.h"
 

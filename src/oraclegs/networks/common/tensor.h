@@ -6,10 +6,10 @@
 #include <initializer_list>
 #include <string>
 
+#include "oraclegs/core/buffer.h"
 #include "oraclegs/core/error.h"
 
 namespace oraclegs {
-
 using torch::Tensor;
 
 /// Throws ShapeError "WHO: NAME is [3, 4] Double, expected contiguous float32 [any, 3]" unless `t` is a contiguous
@@ -30,5 +30,16 @@ inline void RequireFloat(const char* who, const char* name, const Tensor& t, std
   throw ShapeError("{}: {} is [{}] {}{}, expected contiguous float32 [{}]", who, name, fmt::join(t.sizes(), ", "),
                    c10::toString(t.scalar_type()), t.is_contiguous() ? "" : " (not contiguous)", want);
 }
+
+// The engine's arrays as tensors and back, without a copy, on the host and on a GPU.
+
+torch::Device ToTorch(Device device);
+Device FromTorch(const torch::Device& device);
+
+/// Tensor over the buffer's numbers, which live as long as either does. Undefined for an undefined buffer.
+Tensor TensorOf(const Buffer<float>& buffer);
+
+/// Buffer over the tensor's numbers; a tensor that is not contiguous is copied. Throws ShapeError unless it is float32.
+Buffer<float> BufferOf(const Tensor& tensor);
 
 }  // namespace oraclegs

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "oraclegs/networks/common/tensor_buffer.h"
+#include "oraclegs/networks/common/tensor.h"
 
 namespace oraclegs {
 namespace {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <vector>
 
 #include "oraclegs/networks/common/feature_stack.h"
@@ -43,5 +44,10 @@ struct LpipsValue {
 /// undefined = value only. Where all channels of a tap are zero the length has no derivative; zero is taken. Throws
 /// ShapeError.
 LpipsValue Distance(const Lpips& lpips, const Tensor& image, const LpipsTarget& target, Tensor* grad = nullptr);
+
+// LPIPS behind the program's interface, with a cache of the features of targets.
+
+/// cache_bytes: memory that the features of targets may take; features that do not fit are computed each time.
+std::unique_ptr<PerceptualNetwork> MakePerceptualNetwork(Lpips lpips, int64_t cache_bytes);
 
 }  // namespace oraclegs

@@ -1,10 +1,10 @@
-#include "oraclegs/networks/lpips/perceptual_network.h"
+#include "oraclegs/networks/lpips/lpips.h"
 
 #include <map>
 #include <mutex>
 #include <utility>
 
-#include "oraclegs/networks/common/tensor_buffer.h"
+#include "oraclegs/networks/common/tensor.h"
 
 namespace oraclegs {
 namespace {

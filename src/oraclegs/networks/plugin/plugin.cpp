@@ -5,9 +5,9 @@
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/networks/build_id.h"
-#include "oraclegs/networks/common/tensor_buffer.h"
+#include "oraclegs/networks/common/tensor.h"
 #include "oraclegs/networks/depth_anything/depth_anything.h"
-#include "oraclegs/networks/lpips/perceptual_network.h"
+#include "oraclegs/networks/lpips/lpips.h"
 #include "oraclegs/networks/seva/model.h"
 #include "oraclegs/networks/vggt/attention_network.h"
 #include "oraclegs/networks/vggt/poses.h"
@@ -58,6 +58,10 @@ class TorchNetworks : public Networks {
   std::unique_ptr<ViewGenerator> LoadViewGenerator(const ViewGeneratorRequest& request) const override {
     UseOurThreads();
     return seva::LoadViewGenerator(request);
+  }
+
+  void RequireMemoryToGenerate(const ViewGeneratorRequest& request, seva::Size photo) const override {
+    seva::RequireMemory(request, photo);
   }
 
  private:

@@ -9,7 +9,7 @@
 #include "oraclegs/core/host.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/text.h"
-#include "oraclegs/networks/common/tensor_buffer.h"
+#include "oraclegs/networks/common/tensor.h"
 #include "oraclegs/networks/seva/chunk_store.h"
 #include "oraclegs/networks/seva/conditioning.h"
 #include "oraclegs/networks/seva/plan.h"

@@ -1,4 +1,4 @@
-#include "oraclegs/networks/seva/group_norm.h"
+#include "oraclegs/networks/seva/norms.h"
 
 #include "oraclegs/networks/seva/kernels.h"
 #include "oraclegs/networks/seva/slices.h"

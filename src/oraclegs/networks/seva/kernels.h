@@ -3,7 +3,7 @@
 // memory once where libtorch's operations do so several times. They need bfloat16 on a GPU and a build with CUDA;
 // otherwise, and for shapes that a kernel does not take, each function does nothing and returns an undefined tensor.
 
-#include "oraclegs/networks/seva/norm_types.h"
+#include "oraclegs/networks/seva/norms.h"
 
 namespace oraclegs::seva::kernels {
 

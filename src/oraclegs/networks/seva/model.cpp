@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "oraclegs/networks/common/autocast.h"
-#include "oraclegs/networks/common/tensor_buffer.h"
+#include "oraclegs/networks/common/tensor.h"
 #include "oraclegs/networks/seva/openclip.h"
 #include "oraclegs/networks/seva/vae_tiles.h"
 
@@ -77,9 +77,20 @@ OpenClipConfig ClipConfigOf(const fs::path& path) {
   return config;
 }
 
-}  // namespace
+int64_t EncoderBytes(const SevaFiles& files) {
+  return static_cast<int64_t>(fs::file_size(files.vae) + fs::file_size(files.clip));
+}
 
-namespace {
+/// Bytes of the encoders that stay while the UNet works: on the CPU all of them, elsewhere none.
+int64_t OtherWeightsOf(const SevaFiles& files, const Placement& placement) {
+  return placement.device.is_cpu() ? EncoderBytes(files) : 0;
+}
+
+AutoencoderMemory MemoryOf(const SevaFiles& files, const VaeConfig& config, const Placement& placement) {
+  AutoencoderMemory memory = EstimateAutoencoder(config, placement.type);
+  if (!placement.device.is_cpu()) memory.weights = EncoderBytes(files);
+  return memory;
+}
 
 class LoadedGenerator : public ViewGenerator {
  public:
@@ -174,19 +185,27 @@ NetworkSet Model::networks() const {
     const Autocast scope = state->Products();
     return ImageEmbeddings(*state->clip, image);
   };
-  networks.autoencoder = EstimateAutoencoder(state->vae_config, state->placement.type);
-  const auto bytes = [](const fs::path& file) { return static_cast<int64_t>(fs::file_size(file)); };
-  if (state->placement.device.is_cpu()) {
-    networks.other_weights = bytes(state->files.vae) + bytes(state->files.clip);
-  } else {
-    networks.autoencoder.weights = bytes(state->files.vae) + bytes(state->files.clip);
-  }
+  networks.autoencoder = MemoryOf(state->files, state->vae_config, state->placement);
+  networks.other_weights = OtherWeightsOf(state->files, state->placement);
   return networks;
 }
 
 std::unique_ptr<ViewGenerator> LoadViewGenerator(const ViewGeneratorRequest& request) {
   CheckOptions(request.options);
   return std::make_unique<LoadedGenerator>(request);
+}
+
+void RequireMemory(const ViewGeneratorRequest& request, Size photo) {
+  if (request.free_bytes <= 0) return;
+  const Placement placement = PlaceOn(ToTorch(request.device), request.options.precision);
+  const AutoencoderMemory autoencoder = MemoryOf(request.files, VaeConfigOf(request.files.vae), placement);
+  MemoryRequest memory{request.options.frames, WorkingSize(photo, request.options.short_side)};
+  memory.type = placement.type;
+  memory.other_weights = OtherWeightsOf(request.files, placement);
+  memory.gpu = !placement.device.is_cpu();
+  const UnetConfig config = UnetConfigOf(request.files.unet.front());
+  ChooseHalves(config, memory, request.options, request.free_bytes);
+  ChooseTile({memory.size, EstimateMemory(config, memory).weights, autoencoder}, request.free_bytes);
 }
 
 }  // namespace oraclegs::seva

@@ -33,4 +33,7 @@ class Model {
 /// Generator behind the program's interface. Throws InputError as Model does, UsageError for options out of range.
 std::unique_ptr<ViewGenerator> LoadViewGenerator(const ViewGeneratorRequest& request);
 
+/// Networks::RequireMemoryToGenerate. Throws InputError for files that are no weights, too.
+void RequireMemory(const ViewGeneratorRequest& request, Size photo);
+
 }  // namespace oraclegs::seva

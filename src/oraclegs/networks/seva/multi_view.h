@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "oraclegs/networks/seva/group_norm.h"
+#include "oraclegs/networks/seva/norms.h"
 #include "oraclegs/networks/seva/sums.h"
 
 namespace oraclegs::seva {

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "oraclegs/networks/seva/group_norm.h"
+#include "oraclegs/networks/seva/norms.h"
 
 namespace oraclegs::seva {
 

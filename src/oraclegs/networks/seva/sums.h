@@ -2,7 +2,7 @@
 // Sums along the residual streams of SEVA's UNet, their layer norms, and biases that are added in such sums.
 
 #include "oraclegs/networks/common/layers.h"
-#include "oraclegs/networks/seva/norm_types.h"
+#include "oraclegs/networks/seva/norms.h"
 
 namespace oraclegs::seva {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "oraclegs/networks/seva/group_norm.h"
+#include "oraclegs/networks/seva/norms.h"
 
 namespace oraclegs::seva {
 

@@ -4,9 +4,9 @@
 #include <optional>
 #include <utility>
 
-#include "oraclegs/networks/common/tensor_buffer.h"
+#include "oraclegs/networks/common/tensor.h"
 #include "oraclegs/networks/vggt/input.h"
-#include "oraclegs/networks/vggt/memory.h"
+#include "oraclegs/networks/vggt/vggt.h"
 
 namespace oraclegs::vggt {
 namespace {

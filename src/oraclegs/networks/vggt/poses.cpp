@@ -1,8 +1,8 @@
 #include "oraclegs/networks/vggt/poses.h"
 
-#include "oraclegs/networks/common/tensor_buffer.h"
-#include "oraclegs/networks/vggt/memory.h"
+#include "oraclegs/networks/common/tensor.h"
 #include "oraclegs/networks/vggt/point_cloud.h"
+#include "oraclegs/networks/vggt/vggt.h"
 #include "oraclegs/networks/vggt/weights_file.h"
 
 namespace oraclegs::vggt {

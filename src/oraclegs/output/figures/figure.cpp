@@ -13,7 +13,7 @@
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/stages/metrics.h"
-#include "oraclegs/stages/propose_stage.h"
+#include "oraclegs/stages/stage_works.h"
 
 namespace oraclegs {
 namespace {
@@ -176,7 +176,7 @@ std::string FolderName(const fs::path& path) {
 
 }  // namespace
 
-Sheet ConfidenceSheet(const oraclegs::Run& run, const FigureOptions& options) {
+Sheet ConfidenceSheet(const Run& run, const FigureOptions& options) {
   const nlohmann::json record = run.workspace.Record("validate");
   const nlohmann::json validated =
       record.is_object() ? record.value("mean_confidence", nlohmann::json::object()) : nlohmann::json::object();

@@ -44,7 +44,7 @@ struct FigureOptions {
 
 /// Proposals of a run with the maps of stage "validate"; photos come from views that neither train nor test. Throws
 /// InputError when there are none, and when --show names another.
-Sheet ConfidenceSheet(const oraclegs::Run& run, const FigureOptions& options);
+Sheet ConfidenceSheet(const Run& run, const FigureOptions& options);
 
 /// Renders of stage "evaluate" of runs of one scene, with the PSNR of each, and the photos. Throws InputError for a
 /// folder without renders, renders of different sizes and a view that one run lacks; UsageError for a crop outside the

@@ -7,10 +7,11 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/unique_json.h"
+#include "oraclegs/formats/codecs.h"
+#include "oraclegs/train/timings.h"
 
 namespace oraclegs {
 namespace {
-
 namespace fs = std::filesystem;
 
 constexpr double kStatePause = 0.5;  // seconds
@@ -26,6 +27,9 @@ bool HasTrainedSplat(const fs::path& document) {
   const nlohmann::json json = ParseJsonOrDiscard(ReadFile(document));
   return json.is_object() && json.value("finished", nlohmann::json()) == true;
 }
+
+constexpr double kMinPause = 3;  // seconds
+constexpr double kPauseOfCost = 50;
 
 }  // namespace
 
@@ -170,6 +174,14 @@ void Live::Try(FunctionRef<void()> write) {
     state_.Add(warning);
     listener_(warning);
   }
+}
+
+void SnapshotClock::Took(double end, double cost) { next_ = end + std::max(kMinPause, kPauseOfCost * cost); }
+
+double WriteSnapshot(const std::filesystem::path& path, const Gaussians& gaussians) {
+  const Stopwatch watch;
+  ReplaceFile(path, EncodeSplat(gaussians.To(kCpu)));
+  return watch.Seconds();
 }
 
 }  // namespace oraclegs

@@ -11,14 +11,29 @@
 
 #include "oraclegs/core/folder_lock.h"
 #include "oraclegs/core/progress.h"
+#include "oraclegs/gaussians/gaussians.h"
 #include "oraclegs/output/live/curves.h"
 #include "oraclegs/output/live/run_state.h"
-#include "oraclegs/output/live/snapshots.h"
 #include "oraclegs/stages/run_observer.h"
 #include "oraclegs/train/timings.h"
 #include "oraclegs/workspace/workspace.h"
 
 namespace oraclegs {
+
+/// Decides when a snapshot is due, so that all of them together take less than a fiftieth of the training's time.
+class SnapshotClock {
+ public:
+  /// `now` and `cost` are seconds of any one clock. The first snapshot is due at once; each next one 3 seconds after
+  /// the end of the last, or 50 times the cost of the last, whichever is later.
+  bool IsDue(double now) const { return now >= next_; }
+  void Took(double end, double cost);
+
+ private:
+  double next_ = 0;
+};
+
+/// Writes Gaussians on any device to a .splat file, replacing it. Returns the seconds it took. Throws RunError.
+double WriteSnapshot(const std::filesystem::path& path, const Gaussians& gaussians);
 
 /// Writes live/state.json at most twice a second, live/splat.splat while training, and train.csv. It holds a FolderLock
 /// on live/, which tells a running run from one that was killed. It never changes a result or ends a run: a file that

@@ -6,7 +6,6 @@
 #include "oraclegs/camera/camera_path.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/core/find_program.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/output/report/ffmpeg.h"
 #include "oraclegs/render/render.h"

@@ -1,4 +1,3 @@
-#include "oraclegs/output/report/report_stage.h"
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/output/report/orbit_video.h"

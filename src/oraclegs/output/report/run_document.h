@@ -22,4 +22,8 @@ nlohmann::json WriteRunDocument(Run* run, const Model& model, const std::filesys
 /// Command that makes the run again: the scene, and the options that differ from the defaults, quoted for a shell.
 std::string CommandOf(const Run& run);
 
+/// Stage "report": OUT/report/ (WriteRunDocument) shows the results of a run, OUT/report.html holds all of it in
+/// one file, and a video shows an orbit. In a build without the web pages report.html is left out with a note.
+StageWork ReportStage();
+
 }  // namespace oraclegs

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <optional>
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/render/cpu/kernels.h"
@@ -86,27 +87,28 @@ class CpuRasterizer final : public Rasterizer {
 
   void Backward(const Gaussians& gaussians, const RenderGrads& upstream, Gaussians* grads) override {
     const GaussianRows rows = GradientRows(*grads, gaussians.size(), kCpu);
-    const GradInput in = BlendBackward(gaussians, upstream);
-    StageClock clock;
-    ParallelBlocks(gaussians.size(), kGradBlock, [&](int64_t begin, int64_t end) {
+    BackwardOfBlocks(gaussians, upstream, [&](const GradInput& in, int64_t begin, int64_t end) {
       ProjectSplatsBackward(input_, in, begin, end, rows.From(begin));
     });
-    timings_.gaussian_backward = clock.Lap();
   }
 
   void BackwardInto(const Gaussians& gaussians, const RenderGrads& upstream, GradientConsumer* consumer) override {
-    const GradInput in = BlendBackward(gaussians, upstream);
-    StageClock clock;
-    ParallelBlocks(gaussians.size(), kGradBlock, [&](int64_t begin, int64_t end) {
+    BackwardOfBlocks(gaussians, upstream, [&](const GradInput& in, int64_t begin, int64_t end) {
       BlockGrads grads;
       ProjectSplatsBackward(input_, in, begin, end, grads.Rows());
       consumer->ConsumeBlock(begin, end, grads.Rows());
     });
-    timings_.gaussian_backward = clock.Lap();
   }
 
   void WatchScreen(const ScreenGradients* watched) override {
     watched_ = watched == nullptr ? ScreenGradients() : *watched;
+  }
+
+  void WatchCamera(bool watched) override { watches_camera_ = watched; }
+
+  CameraGradient camera_gradient() const override {
+    RequireCameraGradient(camera_gradient_.has_value());
+    return *camera_gradient_;
   }
 
   RenderTimings timings() const override { return timings_; }
@@ -139,6 +141,27 @@ class CpuRasterizer final : public Rasterizer {
     return sum;
   }
 
+  /// The backward pass; body(in, begin, end) is the per-Gaussian stage of one block.
+  template <class Body>
+  void BackwardOfBlocks(const Gaussians& gaussians, const RenderGrads& upstream, const Body& body) {
+    camera_gradient_.reset();  // until all is in place
+    const GradInput in = BlendBackward(gaussians, upstream);
+    StageClock clock;
+    const int64_t n = gaussians.size(), blocks = (n + kGradBlock - 1) / kGradBlock;
+    if (watches_camera_) block_camera_sums_.Reserve(blocks * kCameraSums);
+    ParallelBlocks(n, kGradBlock, [&](int64_t begin, int64_t end) {
+      GradInput of_block = in;
+      if (watches_camera_) of_block.camera_sums = block_camera_sums_.data() + begin / kGradBlock * kCameraSums;
+      body(of_block, begin, end);
+    });
+    if (watches_camera_) {
+      double sums[kCameraSums] = {};
+      for (int64_t i = 0; i < blocks * kCameraSums; ++i) sums[i % kCameraSums] += block_camera_sums_.data()[i];
+      camera_gradient_ = CameraGradientOf(input_.camera, sums);
+    }
+    timings_.gaussian_backward = clock.Lap();
+  }
+
   /// Fills the records. Returns the input of the per-Gaussian stage.
   GradInput BlendBackward(const Gaussians& gaussians, const RenderGrads& upstream) {
     // The parameters may have moved to other memory since Forward, but not changed.
@@ -166,6 +189,9 @@ class CpuRasterizer final : public Rasterizer {
   ScratchArray<float> records_;  // one cache line a pair
   int64_t trained_size_ = -1;
   ScreenGradients watched_;  // undefined = none
+  bool watches_camera_ = false;
+  ScratchArray<float> block_camera_sums_;  // [blocks, kCameraSums]
+  std::optional<CameraGradient> camera_gradient_;
   RenderTimings timings_;
   RenderStats stats_;
 };

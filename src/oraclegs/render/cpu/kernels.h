@@ -102,6 +102,7 @@ struct GradInput {
   const LineSplat* splats;
   float* screen_sums = nullptr;   ///< [N] added to ScreenGradients::sum
   float* screen_views = nullptr;  ///< [N] added to ScreenGradients::views; null = not watched
+  float* camera_sums = nullptr;   ///< [kCameraSums] sums over the Gaussians of one call; null = not watched
 };
 
 /// Sums the records of Gaussians [begin, end) in a fixed order and propagates them to the raw parameters. `out` holds

@@ -261,13 +261,16 @@ HWY_INLINE void AddScreenGradients(const ProjectedGrad<Lanes>& g, const SplatCam
   }
 }
 
-HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::GradInput& grads, int64_t begin,
-                                        int64_t end, const GaussianRows& out) {
+template <bool kWatchesCamera>
+HWY_NOINLINE void BackwardOfRows(const cpu::ProjectInput& in, const cpu::GradInput& grads, int64_t begin, int64_t end,
+                                 const GaussianRows& out) {
   const FloatTag d;
   const SplatCamera<float> camera = in.camera;
   const int coefficients = (camera.sh_degree + 1) * (camera.sh_degree + 1);
   const TileColumns tile_columns(camera.tiles_x);
   HWY_ALIGN float sums[kMomentRow * kLanes] = {};
+  Lanes camera_sums[kCameraSums];
+  if constexpr (kWatchesCamera) std::fill_n(camera_sums, kCameraSums, Lanes(0.f));
   for (int64_t i = begin; i < end; i += kLanes) {
     const int count = static_cast<int>(std::min<int64_t>(kLanes, end - i));
     const GaussianRows rows = out.From(i - begin);
@@ -290,7 +293,8 @@ HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::
     const ProjectedSplat<Lanes> p = Project(chain, camera);
     const ProjectedGrad<Lanes> g = ProjectedGradOf(p, m);
     if (grads.screen_sums) AddScreenGradients(g, camera, {grads, i, count});
-    const RawGrad<Lanes> raw_grad = ProjectBackward(chain, camera, g);
+    const CameraSpaceGrad<Lanes> space_grad = ProjectBackward(chain, camera, g);
+    const RawGrad<Lanes> raw_grad = RawBackward(chain, camera, space_grad);
     const LaneGroup group{i, count, Lanes(hn::Load(d, seen)) > Lanes(0.f)};
     const Vec3<Lanes> from_color = ShBackward(in, raw.mean, {m.r, m.g, m.b}, group, rows.sh);
 
@@ -305,7 +309,21 @@ HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::
     StoreRows<3>(scales, count, rows.log_scales);
     StoreRows<4>(quats, count, rows.quats);
     StoreRows<1>(logit, count, rows.opacity_logits);
+    if constexpr (kWatchesCamera) {
+      const CameraTerms<Lanes> terms =
+          CameraBackward(chain, camera, g, space_grad, Vec3<Lanes>{means[0], means[1], means[2]});
+      for (int k = 0; k < kCameraSums; ++k) camera_sums[k] = camera_sums[k] + keep(terms.of[k]);
+    }
   }
+  if constexpr (kWatchesCamera) {
+    for (int k = 0; k < kCameraSums; ++k) grads.camera_sums[k] = hn::GetLane(hn::SumOfLanes(d, camera_sums[k].v));
+  }
+}
+
+HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::GradInput& grads, int64_t begin,
+                                        int64_t end, const GaussianRows& out) {
+  return grads.camera_sums != nullptr ? BackwardOfRows<true>(in, grads, begin, end, out)
+                                      : BackwardOfRows<false>(in, grads, begin, end, out);
 }
 
 }  // namespace oraclegs::HWY_NAMESPACE

@@ -55,6 +55,9 @@ class CudaRasterizer final : public Rasterizer {
     watched_ = watched == nullptr ? ScreenGradients() : *watched;
   }
 
+  void WatchCamera(bool watched) override { core_.WatchCamera(watched); }
+  CameraGradient camera_gradient() const override { return core_.camera_gradient(); }
+
   void ReserveGaussians(int64_t n) override { core_.ReserveGaussians(n); }
 
   RenderTimings timings() const override {

@@ -49,9 +49,10 @@ __device__ inline void SumRecords(const GaussianBackwardInput& in, uint32_t begi
   }
 }
 
-/// Gradient of the small parameters of one seen Gaussian. `row`: its SH, which becomes dL/d(sh).
-__device__ inline GaussianGrad BackwardOfOne(const GaussianBackwardInput& in, int64_t i, const float* sums,
-                                             float* row) {
+/// Gradient of the small parameters of one seen Gaussian. `row`: its SH, which becomes dL/d(sh). `camera_terms`: null =
+/// not watched.
+__device__ inline GaussianGrad BackwardOfOne(const GaussianBackwardInput& in, int64_t i, const float* sums, float* row,
+                                             CameraTerms<float>* camera_terms) {
   const SplatCamera<float>& camera = in.camera;
   const RawSplat<float> raw = LoadRaw(in.parameters, i);
   const SplatChain<float> chain = EvaluateChain(raw, camera);
@@ -64,7 +65,8 @@ __device__ inline GaussianGrad BackwardOfOne(const GaussianBackwardInput& in, in
     in.screen_sums[i] += sqrtf(x * x + y * y);
     in.screen_views[i] += 1;
   }
-  const RawGrad<float> small = ProjectBackward(chain, camera, g);
+  const CameraSpaceGrad<float> space_grad = ProjectBackward(chain, camera, g);
+  const RawGrad<float> small = RawBackward(chain, camera, space_grad);
   const int coefficients = (camera.sh_degree + 1) * (camera.sh_degree + 1);
   const auto store = [row, coefficients](const float* basis, const Vec3<float>& g_color) {
 #pragma unroll
@@ -83,11 +85,18 @@ __device__ inline GaussianGrad BackwardOfOne(const GaussianBackwardInput& in, in
   out.log_scale[0] = small.log_scale.x, out.log_scale[1] = small.log_scale.y, out.log_scale[2] = small.log_scale.z;
   out.quat[0] = small.qw, out.quat[1] = small.qx, out.quat[2] = small.qy, out.quat[3] = small.qz;
   out.logit = small.logit;
+  if (camera_terms != nullptr) {
+    *camera_terms = CameraBackward(chain, camera, g, space_grad, Vec3<float>{out.mean[0], out.mean[1], out.mean[2]});
+  }
   return out;
 }
 
-template <class Consumer>
-__global__ void __launch_bounds__(kShThreads, 6) GaussianBackwardKernel(GaussianBackwardInput in, Consumer consumer) {
+/// Blocks per multiprocessor for which registers suffice without spills.
+inline constexpr int BlocksOf(bool watches_camera) { return watches_camera ? 5 : 6; }
+
+template <bool kWatchesCamera, class Consumer>
+__global__ void __launch_bounds__(kShThreads, BlocksOf(kWatchesCamera))
+    GaussianBackwardKernel(GaussianBackwardInput in, Consumer consumer) {
   __shared__ float sh_rows[kShThreads * kShRowStride];
   const int64_t i = ThreadInGrid();
   const int lane = LaneInWarp();
@@ -103,9 +112,16 @@ __global__ void __launch_bounds__(kShThreads, 6) GaussianBackwardKernel(Gaussian
   LoadShRows(in.parameters.sh, first, __ballot_sync(kAllLanes, count > 0), floats, rows);
   GaussianGrad grad;
   int zeros_from = 0;
+  [[maybe_unused]] CameraTerms<float> camera_terms{};
   if (count > 0) {
-    grad = BackwardOfOne(in, i, sums, row);
+    grad = BackwardOfOne(in, i, sums, row, kWatchesCamera ? &camera_terms : nullptr);
     zeros_from = floats;
+  }
+  if constexpr (kWatchesCamera) {
+    for (int k = 0; k < kCameraSums; ++k) {
+      const float sum = WarpSum(camera_terms.of[k]);
+      if (lane == 0) in.camera_sums[k * WarpsOf(n) + i / kWarp] = sum;
+    }
   }
   for (int k = zeros_from; k < 4 * chunks; ++k) row[k] = 0;
   for (int k = 0; k < 3; ++k) grad.sh0[k] = row[k];
@@ -123,8 +139,9 @@ __global__ void __launch_bounds__(kShThreads, 6) GaussianBackwardKernel(Gaussian
 /// errors.
 template <class Consumer>
 void RunGaussianBackward(const char* name, const GaussianBackwardInput& in, const Consumer& consumer) {
-  Launch(name, GaussianBackwardKernel<Consumer>, LaunchShape::For(in.parameters.n, kShThreads), in.stream, in,
-         consumer);
+  const auto kernel =
+      in.camera_sums != nullptr ? GaussianBackwardKernel<true, Consumer> : GaussianBackwardKernel<false, Consumer>;
+  Launch(name, kernel, LaunchShape::For(in.parameters.n, kShThreads), in.stream, in, consumer);
 }
 
 }  // namespace oraclegs::cuda

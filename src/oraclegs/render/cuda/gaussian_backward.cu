@@ -1,5 +1,6 @@
 #include "oraclegs/render/cuda/stages.h"
 
+#include "oraclegs/core/cuda/sums-inl.cuh"
 #include "oraclegs/render/cuda/gaussian_backward-inl.cuh"
 
 namespace oraclegs::cuda {
@@ -29,7 +30,21 @@ struct WriteRows {
   }
 };
 
+/// One block per sum.
+__global__ void AddRows(const float* of_warps, int64_t warps, CameraSums* sums) {
+  __shared__ double shared[kSumWarps];
+  const int thread = static_cast<int>(threadIdx.x), number = static_cast<int>(blockIdx.x);
+  double sum = 0;
+  for (int64_t warp = thread; warp < warps; warp += kSumThreads) sum += of_warps[number * warps + warp];
+  sum = BlockSum(sum, thread, shared);
+  if (thread == 0) sums->of[number] = sum;
+}
+
 }  // namespace
+
+void AddCameraSums(const float* of_warps, int64_t warps, CameraSums* sums, cudaStream_t stream) {
+  Launch("the gradient of the camera", AddRows, LaunchShape{kCameraSums, kSumThreads}, stream, of_warps, warps, sums);
+}
 
 void WriteGaussianGrads(const GaussianBackwardInput& in, const GaussianRows& grads) {
   const int floats = 3 * (in.camera.sh_degree + 1) * (in.camera.sh_degree + 1);

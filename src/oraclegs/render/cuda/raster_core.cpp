@@ -6,6 +6,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/render/cuda/stages.h"
+#include "oraclegs/render/render_inputs.h"
 
 namespace oraclegs::cuda {
 
@@ -158,18 +159,36 @@ GaussianBackwardInput RasterCore::BlendBackward(const GaussianParameters& parame
     ReserveBuckets(WithSpare(buckets));
     SendBlend({});  // the images stay as they are
   }
+  camera_summed_ = false;  // until the pass ends
+  if (watches_camera_) {
+    warp_camera_sums_.Reserve(kCameraSums * WarpsOf(parameters.n));
+    camera_sums_.ReserveExactly(1);
+  }
   backward_begin_.Record(stream_);
   pair_work_.FillBytes(0, pairs_ * kRecord, stream_);  // entries that contribute to no pixel write nothing
   cuda::BlendBackward({Listed(), planes_, Kept(), upstream, sorted_numbers_.data(), buckets}, records(),
                       counters_.data(), stream_);
   blended_backward_.Record(stream_);
-  return {camera_, parameters, begins_.data(), counts_.data(), records(), stream_};
+  GaussianBackwardInput out{camera_, parameters, begins_.data(), counts_.data(), records(), stream_};
+  if (watches_camera_) out.camera_sums = warp_camera_sums_.data();
+  return out;
 }
 
 void RasterCore::EndBackward() {
+  if (watches_camera_) {
+    AddCameraSums(warp_camera_sums_.data(), WarpsOf(parameters_.n), camera_sums_.data(), stream_);
+    camera_read_.Ask(camera_sums_.data(), stream_);
+    watched_camera_ = camera_;
+    camera_summed_ = true;
+  }
   finished_.Ask(counters_.data(), stream_);
   end_.Record(stream_);
   backward_done_ = true;
+}
+
+CameraGradient RasterCore::camera_gradient() const {
+  RequireCameraGradient(camera_summed_);
+  return CameraGradientOf(watched_camera_, camera_read_.Get().of);
 }
 
 Counters RasterCore::counters() const {
@@ -202,8 +221,8 @@ int64_t RasterCore::EstimateBytes(int64_t gaussians, int64_t pairs, int64_t pixe
 }
 
 int64_t RasterCore::bytes() const {
-  int64_t sum =
-      splats_.bytes() + rects_.bytes() + ranges_.bytes() + buckets_.bytes() + states_.bytes() + scratch_.bytes();
+  int64_t sum = splats_.bytes() + rects_.bytes() + ranges_.bytes() + buckets_.bytes() + states_.bytes() +
+                scratch_.bytes() + warp_camera_sums_.bytes();
   for (const DeviceArray<uint32_t>* array : {&counts_, &begins_, &ends_, &sorted_numbers_, &entry_ids_, &pair_work_}) {
     sum += array->bytes();
   }

@@ -37,8 +37,12 @@ class RasterCore {
   /// next Forward.
   GaussianBackwardInput BlendBackward(const GaussianParameters& parameters, const UpstreamPlanes& upstream);
 
-  /// Ends the times and counts of the backward pass. Call it when the Gaussian backward stage is queued.
+  /// Ends the times, counts and sums of the backward pass. Call it when the Gaussian backward stage is queued.
   void EndBackward();
+
+  /// As Rasterizer's.
+  void WatchCamera(bool watched) { watches_camera_ = watched; }
+  CameraGradient camera_gradient() const;
 
   cudaStream_t stream() const { return stream_; }
   /// Counts of the last passes; like times(), waits for the device.
@@ -98,6 +102,14 @@ class RasterCore {
   Scratch scratch_{"sorting"};
   DeviceArray<Counters> counters_{"counters"};
   Readback<Counters> counted_, blended_, finished_;
+
+  // The gradient of the camera.
+  bool watches_camera_ = false, camera_summed_ = false;
+  SplatCamera<float> watched_camera_{};  ///< of the last backward pass
+  DeviceArray<float> warp_camera_sums_{"the gradient of the camera"};
+  DeviceArray<CameraSums> camera_sums_{"the gradient of the camera"};
+  Readback<CameraSums> camera_read_;
+
   Event begin_, projected_, binned_, drawn_, backward_begin_, blended_backward_, end_;
 };
 

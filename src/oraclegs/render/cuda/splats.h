@@ -63,6 +63,14 @@ struct GaussianBackwardInput {
   cudaStream_t stream;              ///< where the stage is queued
   float* screen_sums = nullptr;     ///< [n] added to ScreenGradients::sum; null = not watched
   float* screen_views = nullptr;    ///< [n] added to ScreenGradients::views
+  float* camera_sums = nullptr;     ///< [kCameraSums, WarpsOf(n)] sums over a warp's Gaussians; null = not watched
+};
+
+/// Warps of the last stage, which has one thread per Gaussian.
+ORACLEGS_HD inline int64_t WarpsOf(int64_t n) { return (n + kRun - 1) / kRun; }
+
+struct CameraSums {
+  double of[kCameraSums];
 };
 
 }  // namespace oraclegs::cuda

@@ -93,4 +93,7 @@ void BlendBackward(const BlendBackwardInput& in, float* records, Counters* count
 /// Writes all rows of `grads`; of sh only the coefficients of the active degree.
 void WriteGaussianGrads(const GaussianBackwardInput& in, const GaussianRows& grads);
 
+/// Adds the rows of GaussianBackwardInput::camera_sums up, of `warps` numbers each, in a fixed order.
+void AddCameraSums(const float* of_warps, int64_t warps, CameraSums* sums, cudaStream_t stream);
+
 }  // namespace oraclegs::cuda

@@ -1,7 +1,7 @@
 #include "oraclegs/train/cuda/exposure.h"
 
 #include "oraclegs/core/cuda/launch.h"
-#include "oraclegs/loss/cuda/sums-inl.cuh"
+#include "oraclegs/core/cuda/sums-inl.cuh"
 #include "oraclegs/train/exposure_math.h"
 #include "oraclegs/train/train_math.h"
 

@@ -1,7 +1,7 @@
 #include "oraclegs/train/cuda/loss_accumulator.h"
 
 #include "oraclegs/core/cuda/launch.h"
-#include "oraclegs/loss/cuda/sums-inl.cuh"
+#include "oraclegs/core/cuda/sums-inl.cuh"
 
 namespace oraclegs::cuda {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "oraclegs/core/bfloat16.h"
 #include "oraclegs/core/cuda/launch.h"
-#include "oraclegs/loss/cuda/sums-inl.cuh"
+#include "oraclegs/core/cuda/sums-inl.cuh"
 #include "oraclegs/render/cuda/gaussian_backward-inl.cuh"
 #include "oraclegs/train/noise_math-inl.h"
 #include "oraclegs/train/opacity_factor_math-inl.h"

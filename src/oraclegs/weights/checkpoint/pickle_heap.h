@@ -74,4 +74,26 @@ PickleGlobal KnownGlobal(const std::string& name);
 /// are harmless here; but whoever has such a file should know.
 bool RunsPrograms(std::string_view module, std::string_view name);
 
+// The values that the calls in a checkpoint's pickle would make: tensors, parameters, dicts, and objects of which
+// nothing is known. The functions throw InputError with the file's name for calls that cannot be.
+
+/// REDUCE and NEWOBJ: `function` applied to a tuple.
+PickleValue ReduceInCheckpoint(const PickleValue& function, const PickleValue& arguments, PickleHeap* heap);
+
+/// BUILD: gives a value its state.
+void BuildInCheckpoint(const PickleValue& value, const PickleValue& state, PickleHeap* heap);
+
+/// BINPERSID: ("storage", type, key, location, numel), and sixth, before PyTorch 1.6, the part of it that is meant:
+/// (key, offset, numel). Storages of one key are one.
+PickleValue StorageInCheckpoint(const PickleValue& id, PickleHeap* heap);
+
+// Runs the instructions of a checkpoint's pickle. A pickle is a program for a small machine; this one knows the
+// instructions by which PyTorch writes checkpoints and refuses every other, and what it makes is data: no name is
+// looked up, nothing is called.
+
+/// Reads one pickle from the beginning of `*bytes`, which then begins behind it. Time and memory grow with its length
+/// alone. Throws InputError with heap->file for a pickle that is damaged, needs an unknown instruction, or is larger
+/// than any of a checkpoint.
+PickleValue ReadPickle(std::string_view* bytes, PickleHeap* heap);
+
 }  // namespace oraclegs

@@ -1,11 +1,10 @@
-#include "oraclegs/weights/checkpoint/pickle_machine.h"
 
 #include <charconv>
 #include <unordered_map>
 #include <utility>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/weights/checkpoint/torch_objects.h"
+#include "oraclegs/weights/checkpoint/pickle_heap.h"
 
 namespace oraclegs {
 namespace {

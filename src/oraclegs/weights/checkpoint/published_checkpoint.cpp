@@ -7,7 +7,6 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/safetensors.h"
 #include "oraclegs/core/safetensors_layout.h"
-#include "oraclegs/core/shard_index.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/weights/checkpoint/torch_file.h"
 

@@ -6,7 +6,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/text.h"
-#include "oraclegs/weights/checkpoint/pickle_machine.h"
+#include "oraclegs/weights/checkpoint/pickle_heap.h"
 #include "oraclegs/weights/checkpoint/zip_directory.h"
 
 namespace oraclegs {

@@ -1,4 +1,4 @@
-#include "oraclegs/weights/checkpoint/torch_objects.h"
+#include "oraclegs/weights/checkpoint/pickle_heap.h"
 
 #include <cstring>
 #include <optional>
