@@ -1,5 +1,5 @@
 #include "config_file.h"
-#include "oraclegs/experiments/ablation_suite.h"
+#include "oraclegs/experiments/bench/suite_ablation.h"
 #include "oraclegs/experiments/tampering.h"
 #include "workspace_command.h"
 

@@ -44,20 +44,6 @@ std::optional<double> MeanOf(const std::vector<const AblationRun*>& runs, std::o
   return sum / static_cast<double>(runs.size());
 }
 
-/// The request for one of several scenes, in its folder.
-AblationRequest InFolder(const AblationRequest& request, const fs::path& scene) {
-  AblationRequest one = request;
-  one.options.also.clear();
-  one.run.scene = scene, one.run.out = request.run.out / NameOf(scene);
-  return one;
-}
-
-void WriteTables(const fs::path& out, const nlohmann::json& report, const std::string& table) {
-  const auto replace = nlohmann::json::error_handler_t::replace;
-  WriteFileAtomically(out / kSuiteJson, report.dump(2, ' ', false, replace) + "\n");
-  WriteFileAtomically(out / kSuiteMarkdown, table);
-}
-
 AblationRun MeanRun(const std::vector<const AblationRun*>& runs, const std::vector<std::string>& names) {
   AblationRun mean;
   mean.seed = runs.front()->seed;
@@ -125,6 +111,19 @@ std::vector<fs::path> ScenesOf(const AblationRequest& request) {
   return scenes;
 }
 
+AblationRequest InFolder(const AblationRequest& request, const fs::path& scene) {
+  AblationRequest one = request;
+  one.options.also.clear();
+  one.run.scene = scene, one.run.out = request.run.out / NameOf(scene);
+  return one;
+}
+
+void WriteAblation(const fs::path& out, const nlohmann::json& report, const std::string& table) {
+  const auto replace = nlohmann::json::error_handler_t::replace;
+  WriteFileAtomically(out / kSuiteJson, report.dump(2, ' ', false, replace) + "\n");
+  WriteFileAtomically(out / kSuiteMarkdown, table);
+}
+
 Ablation RunScenes(const AblationRequest& request, const std::vector<fs::path>& scenes, const Listener& listener) {
   const fs::path out = request.run.out;
   std::vector<std::string> names;
@@ -143,7 +142,7 @@ Ablation RunScenes(const AblationRequest& request, const std::vector<fs::path>& 
   for (const fs::path& scene : scenes) {
     done.push_back(RunAblation(InFolder(request, scene), listener));
     mean = MeanOver(done);
-    WriteTables(out, AblationToJson(mean), AblationMarkdown(mean));
+    WriteAblation(out, AblationToJson(mean), AblationMarkdown(mean));
   }
   return mean;
 }
@@ -153,70 +152,6 @@ std::string SceneCommands(const AblationRequest& request, const std::vector<fs::
   std::string text;
   for (const fs::path& scene : scenes) text += AblationCommands(InFolder(request, scene));
   return text;
-}
-
-SuiteAblation PlanSuiteAblation(const AblationRequest& request, const SuiteSettings& settings) {
-  if (!request.options.also.empty())
-    throw UsageError("--also adds scenes to one, and --suite has its own; leave it out");
-  const Suite suite = FindSuite(request.options.suite);
-  if (suite.is_folder()) {
-    throw UsageError("--suite {} is no dataset of papers; give the scene itself, and more of them with --also",
-                     request.options.suite);
-  }
-  const bool follows = settings.preset == "paper";
-  const RunArguments of_all =
-      settings.preset.empty() || follows ? RunArguments() : settings.read_preset(settings.preset);
-  const std::string* asked_views = FindArgument(settings.asked, "views");
-  const std::vector<int> all_views = ViewsOf(suite, asked_views ? *asked_views : "", of_all);
-  const std::vector<SuiteScene> scenes = ScenesOf(suite, suite.name, request.run.scene);
-
-  SuiteAblation plan;
-  plan.label = suite.label;
-  for (const int views : all_views) {
-    RunArguments arguments = follows ? settings.read_preset(PaperPreset(suite, views)) : of_all;
-    std::erase_if(arguments, [](const auto& option) { return IsOfProtocol(option.first); });
-    arguments = Overlaid(Overlaid(suite.protocol(views), arguments), settings.asked);
-    SuiteAblation::OfViews part{.views = views, .request = request, .scenes = {}};
-    part.request.run.options = OptionsOf(arguments);
-    part.request.run.options.frame.force = true;  // scored with the poses of the dataset, whatever a check says of them
-    part.request.run.out = request.run.out / fmt::format("{}-views", views);
-    for (const SuiteScene& scene : scenes) {
-      for (SceneCheck& check : CheckScene(suite, scene, {views}, settings.asked)) {
-        if (check.problem.empty()) part.scenes.push_back(scene.path);
-        plan.checks.push_back(std::move(check));
-      }
-    }
-    if (!part.scenes.empty()) plan.parts.push_back(std::move(part));
-  }
-  if (plan.parts.empty()) throw InputError("{}", plan.checks.front().problem);
-  return plan;
-}
-
-std::string SuiteAblationText(const SuiteAblation& suite) {
-  std::string text = fmt::format("{}\n{}\n", suite.label, CheckText(suite.checks));
-  for (const SuiteAblation::OfViews& part : suite.parts) {
-    for (const fs::path& scene : part.scenes) text += AblationCommands(InFolder(part.request, scene));
-  }
-  return text;
-}
-
-std::vector<Ablation> RunSuiteAblation(const AblationRequest& request, const SuiteAblation& suite,
-                                       const Listener& listener) {
-  const fs::path out = request.run.out;
-  std::vector<std::string> names;
-  for (const SuiteAblation::OfViews& part : suite.parts) names.push_back(part.request.run.out.filename().string());
-  std::vector<std::string_view> content = {kSuiteJson, kSuiteMarkdown};
-  content.insert(content.end(), names.begin(), names.end());
-  RequireSeriesFolder(out, {"ablation of this suite", kSuiteJson, content});
-  std::vector<Ablation> done;
-  nlohmann::json report = {{"program", "oraclegs"}, {"suite", suite.label}, {"views", nlohmann::json::object()}};
-  for (const SuiteAblation::OfViews& part : suite.parts) {
-    done.push_back(RunScenes(part.request, part.scenes, listener));
-    done.back().train_views = static_cast<size_t>(part.views);
-    report["views"][std::to_string(part.views)] = AblationToJson(done.back());
-    WriteTables(out, report, SideBySideMarkdown(done));
-  }
-  return done;
 }
 
 }  // namespace oraclegs

@@ -9,7 +9,7 @@
 #include "oraclegs/experiments/line_chart.h"
 #include "oraclegs/experiments/series.h"
 #include "oraclegs/run/stages.h"
-#include "oraclegs/stages/oracle_report.h"
+#include "oraclegs/stages/metrics.h"
 
 namespace oraclegs {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "oraclegs/networks/loader.h"
 #include "oraclegs/proposers/seva.h"
-#include "oraclegs/validate/attention_layers.h"
 #include "oraclegs/validate/calibrated_oracle.h"
+#include "oraclegs/validate/vggt_oracle.h"
 
 namespace oraclegs {
 namespace {

@@ -107,23 +107,6 @@ TEST_F(BenchTest, FirstOfEachSceneViewsAndSeedRunsBeforeTheOthers) {
   EXPECT_EQ(launcher.waves[1].size(), 4u);
 }
 
-TEST_F(BenchTest, SeedsWaitForProposalsThatTheyShare) {
-  BenchRequest request = Request();
-  request.options.suite = (*scenes / "one").string(), request.options.views = "3";
-  request.options.methods = "ours,3dgs-mcmc";
-  request.asked = {{"proposers", "warp"}, {"trajectory", "orbit"}};
-  Run(request);
-  EXPECT_THAT(launcher.waves,
-              testing::ElementsAre(std::vector<std::string>{"one-one-3-ours-seed0"},
-                                   std::vector<std::string>{"one-one-3-3dgs-mcmc-seed0", "one-one-3-ours-seed1"},
-                                   std::vector<std::string>{"one-one-3-3dgs-mcmc-seed1"}));
-
-  request.out = dir / "seeded", request.asked = {{"proposers", "warp"}, {"trajectory", "coverage"}};
-  launcher.waves.clear();
-  Run(request);
-  EXPECT_THAT(launcher.waves[0], testing::ElementsAre("one-one-3-ours-seed0", "one-one-3-ours-seed1"));
-}
-
 TEST_F(BenchTest, KilledAnywhereItLosesNothingAndRepeatsNothing) {
   std::mt19937 random(7);
   int kills = 0;

@@ -12,6 +12,7 @@
 #include "oraclegs/experiments/ablation.h"
 #include "oraclegs/experiments/bench/bench_plot.h"
 #include "oraclegs/experiments/bench/bench_report.h"
+#include "oraclegs/experiments/bench/run_order.h"
 #include "oraclegs/experiments/bench/run_record.h"
 #include "oraclegs/experiments/series.h"
 #include "oraclegs/settings/plan.h"
@@ -45,17 +46,14 @@ class Bench {
         plan_(plan),
         launcher_(launcher),
         listener_(listener),
-        lock_(Claim(request, plan), kLockPatience) {
+        lock_(Claim(request, plan), kLockPatience),
+        order_(plan) {
     if (lock_.state() == FolderLock::State::kHeldByAnother) {
       throw RunError("{}: another `oraclegs bench` works there ({}); wait for it, or choose another folder with -o",
                      request.out.string(), lock_.holder());
     }
     report_ = NewReport();
     known_seconds_.resize(plan.methods.size());
-    for (const BenchRun& run : plan.runs) {
-      const RunOptions options = OptionsOf(run.arguments);
-      needs_.push_back({NeedsDepth(options), HasProposals(options) && !AreProposalsSeeded(options)});
-    }
     if (request.overwrite) RemoveRuns(request, plan, listener);
     for (size_t r = 0; r < plan.runs.size(); ++r) FindState(r);
   }
@@ -67,7 +65,10 @@ class Bench {
       listener_(Note{fmt::format("{} of {} runs are done or cannot be run", plan_.runs.size() - pending.size(),
                                  plan_.runs.size())});
     }
-    for (std::vector<size_t> left = pending; !left.empty(); left = Pending()) Launch(Ready(left));
+    for (std::vector<size_t> left = pending; !left.empty(); left = Pending()) {
+      Launch(order_.Ready(left, tried_,
+                          {[&](size_t r) { return HasDonor(r); }, [&](size_t r) { return HasDonorOfProposals(r); }}));
+    }
     for (const char* file : {kBenchJson, kBenchMarkdown, kBenchLatex, kBenchCsv, kViewsPlot, kTimePlot}) {
       listener_(FileWritten{request_.out / file});
     }
@@ -76,11 +77,6 @@ class Bench {
   }
 
  private:
-  struct Needs {
-    bool depth = false;             ///< a part of it needs the depth of the training views
-    bool common_proposals = false;  ///< has proposals that runs of other seeds have as well
-  };
-
   /// Makes the folder; refuses one that holds anything else.
   static fs::path Claim(const BenchRequest& request, const BenchPlan& plan) {
     for (const SceneCheck& check : plan.checks) RequireOutsideScene(request.out, check.scene.path);
@@ -161,65 +157,30 @@ class Bench {
     return pending;
   }
 
-  bool Shares(size_t a, size_t b) const {
-    return plan_.runs[a].check == plan_.runs[b].check && plan_.runs[a].seed == plan_.runs[b].seed;
-  }
-
   /// Workspaces whose geometry a run may copy.
   std::vector<fs::path> Donors(size_t r) const {
     std::vector<fs::path> donors;
     for (size_t other = 0; other < plan_.runs.size(); ++other) {
-      if (other != r && Shares(r, other) && IsWorkspace(Workspace(other))) donors.push_back(Workspace(other));
+      if (other != r && order_.SharesGeometry(r, other) && IsWorkspace(Workspace(other)))
+        donors.push_back(Workspace(other));
     }
     return donors;
   }
 
   bool HasDonor(size_t r) const {
     const std::vector<fs::path> donors = Donors(r);
-    const bool needs_depth = needs_[r].depth;
+    const bool needs_depth = order_.NeedsDepth(r);
     return std::any_of(donors.begin(), donors.end(), [&](const fs::path& donor) {
       const json records = ReadStageRecords(donor);
       return records.contains("depth") || (!needs_depth && records.contains("sfm"));
     });
   }
 
-  /// Runs of `pending` that can start now; all of them if none could. One of the runs that share geometry computes it,
-  /// the first that needs depth or else the first, and the others wait for it; so do runs for the proposals of the
-  /// first of those that share them.
-  std::vector<size_t> Ready(const std::vector<size_t>& pending) const {
-    std::vector<size_t> ready;
-    for (const size_t r : pending) {
-      const auto shares = [&](size_t other) { return Shares(r, other); };
-      const auto makes_depth = [&](size_t other) { return Shares(r, other) && needs_[other].depth; };
-      const auto proposes = [&](size_t other) { return SharesProposals(r, other); };
-      auto leader = std::find_if(pending.begin(), pending.end(), makes_depth);
-      if (leader == pending.end()) leader = std::find_if(pending.begin(), pending.end(), shares);
-      const bool has_geometry = *leader == r || WasTried(shares) || HasDonor(r);
-      const auto proposer = std::find_if(pending.begin(), pending.end(), proposes);
-      const bool has_proposals =
-          proposer == pending.end() || *proposer == r || WasTried(proposes) || HasDonorOfProposals(r);
-      if (has_geometry && has_proposals) ready.push_back(r);
-    }
-    return ready.empty() ? pending : ready;
-  }
-
-  template <class Group>
-  bool WasTried(const Group& is_in) const {
-    return std::any_of(tried_.begin(), tried_.end(), is_in);
-  }
-
-  /// True for runs of one scene, number of views and method that differ in their seed, on which proposals do not
-  /// depend; also for a run and itself.
-  bool SharesProposals(size_t a, size_t b) const {
-    const BenchRun &one = plan_.runs[a], &other = plan_.runs[b];
-    if (one.check != other.check || one.method != other.method) return false;
-    return needs_[a].common_proposals;
-  }
-
   std::vector<fs::path> DonorsOfProposals(size_t r) const {
     std::vector<fs::path> donors;
     for (size_t other = 0; other < plan_.runs.size(); ++other) {
-      if (other != r && SharesProposals(r, other) && IsWorkspace(Workspace(other))) donors.push_back(Workspace(other));
+      if (other != r && order_.SharesProposals(r, other) && IsWorkspace(Workspace(other)))
+        donors.push_back(Workspace(other));
     }
     return donors;
   }
@@ -376,7 +337,7 @@ class Bench {
   const Listener& listener_;
   FolderLock lock_;
   BenchReport report_;
-  std::vector<Needs> needs_;           ///< of each run of the plan
+  RunOrder order_;
   std::vector<double> known_seconds_;  ///< duration of the last run of each method; 0 = not known
   std::vector<size_t> tried_;          ///< runs tried in this call
 };

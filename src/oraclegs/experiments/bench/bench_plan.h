@@ -49,7 +49,7 @@ struct BenchOptions {
 struct BenchRequest {
   BenchOptions options;
   RunArguments asked;  ///< options of all runs, as the user gave them; a method's own options win
-  /// Of the user's preset, over which `asked` wins: its images and their size for all runs, the rest for those of this
+  /// The user's preset, over which `asked` wins: its images and their size for all runs, the rest for those of this
   /// program's own methods.
   RunArguments preset;
   std::function<RunArguments(const std::string& name)> read_preset;  ///< throws UsageError where there is none
