@@ -1,0 +1,65 @@
+#pragma once
+// How far patches lie from where poses and depth put them (docs/method.md#pose-refinement). Along the epipolar line
+// that is an error of depth; across it only poses and intrinsics can be wrong.
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "oraclegs/depth/depth_map.h"
+#include "oraclegs/depth/plane.h"
+#include "oraclegs/image/image.h"
+#include "oraclegs/scene/loaded_view.h"
+
+namespace oraclegs {
+
+/// A pixel whose surface other views show, with the plane through it.
+struct OffsetPixel {
+  int view = 0;
+  float u = 0, v = 0;              ///< the pixel's center
+  double inv_depth = 0;            ///< 1/world unit
+  float slope_x = 0, slope_y = 0;  ///< relative change of the inverse depth per pixel to the right, downward
+};
+
+/// Where a source view shows the patch around a pixel.
+struct PatchOffset {
+  int pixel = 0;             ///< index of the OffsetPixel
+  int source = 0;            ///< view
+  Eigen::Vector2d expected;  ///< where poses and depth put the pixel, in the source image
+  Eigen::Vector2d offset;    ///< where its patch is found, minus `expected`; pixels
+  double across = 0;         ///< the offset's part across the epipolar line, signed
+};
+
+/// Median |across| in pixels; 0 where there are no offsets.
+struct AcrossResidual {
+  double all = 0;
+  std::vector<double> views;  ///< of the offsets of which each view is one of the two
+};
+AcrossResidual MedianAcross(const std::vector<OffsetPixel>& pixels, const std::vector<PatchOffset>& offsets,
+                            size_t views);
+
+/// Measures offsets between the views of one scene. The result does not depend on the number of threads.
+class OffsetMeter {
+ public:
+  /// The maps correspond to the views, which must outlive the meter. Up to five source views for each view are those
+  /// that see its confident pixels under the best angles (FindNeighbors).
+  OffsetMeter(const std::vector<LoadedView>& views, const std::vector<DepthMap>& maps);
+
+  /// Up to `most` confident pixels of each view, evenly drawn from those on a smooth surface with texture in two
+  /// directions; sorted by view.
+  std::vector<OffsetPixel> Choose(size_t most) const;
+
+  /// Offsets of the pixels in the source views of their views, sorted by pixel, seen with these cameras. A patch is
+  /// moved over the source image by Lucas and Kanade's method [Baker 2004], from coarse to fine, up to gain and offset
+  /// of brightness. Left out are patches that are occluded, leave the image, or are not found.
+  std::vector<PatchOffset> Measure(const std::vector<Camera>& cameras, const std::vector<OffsetPixel>& pixels) const;
+
+  const std::vector<std::vector<int>>& sources() const { return sources_; }
+
+ private:
+  const std::vector<LoadedView>& views_;
+  const std::vector<DepthMap>& maps_;
+  std::vector<std::vector<int>> sources_;
+  std::vector<std::vector<ImageF>> pyramids_;  ///< of each view: smoothed brightness, 8-bit units, full size first
+};
+
+}  // namespace oraclegs

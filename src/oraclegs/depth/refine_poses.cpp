@@ -1,0 +1,69 @@
+#include "oraclegs/depth/refine_poses.h"
+
+#include <utility>
+
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/depth/patch_adjustment.h"
+#include "oraclegs/depth/pose_offsets.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr size_t kMinOffsets = 200;  // below, a residual says nothing
+
+bool MovedTooFar(const std::vector<CameraMovement>& movements) {
+  for (const CameraMovement& movement : movements) {
+    if (!(movement.degrees <= kMaxPoseDegrees && movement.share <= kMaxPoseShare)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+PoseRefinement RefinePoses(const std::vector<LoadedView>& views, const std::vector<DepthMap>& maps,
+                           const PoseRefinementOptions& options) {
+  PoseRefinement refinement;
+  AdjustedScene scene;
+  for (const LoadedView& view : views) {
+    scene.cameras.push_back(view.camera);
+    refinement.views.push_back({view.name, {}, {}});
+  }
+  const std::vector<Camera> given = refinement.cameras = scene.cameras;
+  if (views.size() < 2) return refinement;
+
+  const OffsetMeter meter(views, maps);
+  scene.pixels = meter.Choose(options.pixels_per_view);
+  std::vector<PatchOffset> offsets = meter.Measure(scene.cameras, scene.pixels);
+  refinement.offsets = offsets.size();
+  if (offsets.size() < kMinOffsets) return refinement;
+  const AcrossResidual before = MedianAcross(scene.pixels, offsets, views.size());
+  refinement.residual = {before.all, before.all};
+  for (size_t v = 0; v < views.size(); ++v) refinement.views[v].residual = {before.views[v], before.views[v]};
+  if (before.all < options.gate) {
+    refinement.result = PoseRefinementResult::kKept;
+    return refinement;
+  }
+
+  for (int round = 0; round < options.rounds; ++round) {
+    ThrowIfInterrupted();
+    AdjustScene(offsets, given, options.focal, &scene);
+    offsets = meter.Measure(scene.cameras, scene.pixels);
+  }
+  const AcrossResidual after = MedianAcross(scene.pixels, offsets, views.size());
+  const std::vector<CameraMovement> movements = Movements(given, scene.cameras);
+  refinement.residual.after = after.all;
+  for (size_t v = 0; v < views.size(); ++v) {
+    refinement.views[v].residual.after = after.views[v];
+    refinement.views[v].movement = movements[v];
+  }
+  if (offsets.size() < kMinOffsets || !(after.all < before.all) || MovedTooFar(movements)) {
+    refinement.result = PoseRefinementResult::kUndone;
+    return refinement;
+  }
+  refinement.result = PoseRefinementResult::kRefined;
+  refinement.cameras = std::move(scene.cameras);
+  refinement.focal_factor = scene.focal_factor;
+  return refinement;
+}
+
+}  // namespace oraclegs
