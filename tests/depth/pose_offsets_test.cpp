@@ -52,7 +52,7 @@ TEST_F(PoseOffsetsTest, AreSmallForTruePoses) {
   const std::vector<PatchOffset> offsets = meter.Measure(cameras, pixels);
   EXPECT_GT(offsets.size(), 2 * pixels.size());
   EXPECT_LT(MedianError(cameras, pixels, offsets), 0.05);
-  const AcrossResidual residual = MedianAcross(pixels, offsets, views.size());
+  const AcrossResidual residual = ResidualAcross(pixels, offsets, cameras);
   EXPECT_LT(residual.all, 0.04);
   for (const double of_view : residual.views) EXPECT_LT(of_view, 0.05);
 }
@@ -64,7 +64,7 @@ TEST_F(PoseOffsetsTest, FindPatchesPixelsAway) {
   const std::vector<PatchOffset> offsets = meter.Measure(wrong, pixels);
   EXPECT_GT(offsets.size(), pixels.size());
   EXPECT_LT(MedianError(cameras, pixels, offsets), 0.1);
-  EXPECT_GT(MedianAcross(pixels, offsets, views.size()).all, 0.5);
+  EXPECT_GT(ResidualAcross(pixels, offsets, cameras).all, 0.5);
 }
 
 TEST_F(PoseOffsetsTest, AreDepthAlongTheEpipolarLine) {
@@ -75,7 +75,7 @@ TEST_F(PoseOffsetsTest, AreDepthAlongTheEpipolarLine) {
   std::vector<double> lengths;
   for (const PatchOffset& offset : offsets) lengths.push_back(offset.offset.norm());
   EXPECT_GT(Median(&lengths), 0.3);
-  EXPECT_LT(MedianAcross(pixels, offsets, views.size()).all, 0.05);
+  EXPECT_LT(ResidualAcross(pixels, offsets, cameras).all, 0.05);
 }
 
 TEST_F(PoseOffsetsTest, DoNotDependOnExposure) {
@@ -83,7 +83,7 @@ TEST_F(PoseOffsetsTest, DoNotDependOnExposure) {
   const OffsetMeter meter(views, maps);
   const std::vector<OffsetPixel> pixels = meter.Choose(kMost);
   const std::vector<PatchOffset> offsets = meter.Measure(cameras, pixels);
-  EXPECT_LT(MedianAcross(pixels, offsets, views.size()).views[1], 0.06);
+  EXPECT_LT(ResidualAcross(pixels, offsets, cameras).views[1], 0.06);
 }
 
 TEST_F(PoseOffsetsTest, NeedTextureInTwoDirections) {
@@ -116,8 +116,9 @@ TEST_F(PoseOffsetsTest, AreNoneBetweenViewsFromOnePlace) {
   Take({cameras[0], cameras[0]});
   const OffsetMeter meter(views, maps);
   EXPECT_TRUE(meter.Choose(kMost).empty());
-  EXPECT_EQ(MedianAcross({}, {}, 2).all, 0);
-  EXPECT_EQ(MedianAcross({}, {}, 2).views, std::vector<double>({0, 0}));
+  EXPECT_EQ(ResidualAcross({}, {}, cameras).all, 0);
+  EXPECT_EQ(ResidualAcross({}, {}, cameras).views, std::vector<double>({0, 0}));
+  EXPECT_EQ(ResidualAcross({}, {}, cameras).cells, 0u);
 }
 
 TEST_F(PoseOffsetsTest, HaveTheSameBitsForAnyNumberOfThreads) {

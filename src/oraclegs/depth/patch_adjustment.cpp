@@ -16,14 +16,14 @@ namespace {
 
 constexpr int kAdjustSteps = 8;  // of Levenberg and Marquardt
 constexpr double kFirstDamping = 1e-4, kMaxDamping = 1e4;
-constexpr double kSettledChange = 1e-4;                               // of the sum of squares, relative
-constexpr double kOffsetSigma = 0.25;                                 // pixels: of an offset
-constexpr double kOffsetsAsOne = 50;                                  // neighbors err alike: this many weigh like one
-constexpr double kDepthSigma = 0.25;                                  // relative step of an inverse depth
-constexpr double kMinHuber = 0.3, kMaxHuber = 2, kHuberOfMedian = 3;  // pixels; of the median |across|
-constexpr double kTurnSigma = M_PI / 180, kShiftSigma = 0.02;  // of given poses: radians, shares of the scene extent
-constexpr double kFocalSigma = 0.03;                           // relative
-constexpr double kMaxDepthStep = 0.2;                          // relative
+constexpr double kSettledChange = 1e-4;           // of the sum of squares, relative
+constexpr double kOffsetSigma = 0.25;             // pixels: of an offset
+constexpr double kOffsetsAsOne = 50;              // neighbors err alike: this many weigh like one
+constexpr double kInvDepthSigma = 0.25;           // relative step of an inverse depth
+constexpr double kMinHuber = 0.1, kMaxHuber = 2;  // pixels: bounds of Huber's threshold, the median |across|
+constexpr double kTurnSigma = 0.3 * M_PI / 180, kShiftSigma = 0.01;  // of given poses: radians, shares of the extent
+constexpr double kFocalSigma = 0.03;                                 // relative
+constexpr double kMaxDepthStep = 0.2;                                // relative
 
 /// One offset, linearized: residual in pixels, expected minus found.
 struct OffsetTerm {
@@ -63,7 +63,7 @@ class Adjustment {
       std::vector<int>& slots = slots_[static_cast<size_t>(scene.pixels[static_cast<size_t>(offset.pixel)].view)];
       if (std::find(slots.begin(), slots.end(), offset.source) == slots.end()) slots.push_back(offset.source);
     }
-    huber_ = std::clamp(kHuberOfMedian * Median(&across), kMinHuber, kMaxHuber);
+    huber_ = std::clamp(Median(&across), kMinHuber, kMaxHuber);
     FindBaseline();
   }
 
@@ -157,7 +157,7 @@ class Adjustment {
   }
 
   DepthSystem DepthSystemOf(const std::vector<OffsetTerm>& terms, double inv_depth, Eigen::Index size) const {
-    DepthSystem depth{Eigen::VectorXd::Zero(size), 1 / std::pow(kDepthSigma * inv_depth, 2), 0};
+    DepthSystem depth{Eigen::VectorXd::Zero(size), 1 / std::pow(kInvDepthSigma * inv_depth, 2), 0};
     for (const OffsetTerm& term : terms) {
       const Eigen::Vector2d by_depth = term.weight * term.at.by_inv_depth;
       depth.square += by_depth.dot(term.at.by_inv_depth);

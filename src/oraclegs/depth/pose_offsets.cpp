@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <compare>
+#include <map>
 #include <optional>
 
 #include "oraclegs/core/parallel.h"
@@ -33,6 +35,8 @@ constexpr float kFoundStep = 0.02f;                // pixels: a smaller step end
 constexpr float kMaxDrift = 3;                     // pixels that a patch may move at one resolution
 constexpr float kMinScale = 0.25f, kMaxScale = 4;  // area of a pixel in the source image
 constexpr int64_t kPixelsPerTask = 128;
+constexpr int kCellsPerSide = 3;        // of an image, for its residual
+constexpr size_t kMinCellOffsets = 20;  // fewer say nothing of their cell
 
 /// Brightness in 8-bit units, smoothed by (1 2 1) / 4 along both axes: a bilinear sample of it is nearly unbiased.
 ImageF Smoothed(const ImageF& gray) {
@@ -267,17 +271,29 @@ std::vector<ScenePoint> SharedPoints(const std::vector<DepthMap>& maps) {
 
 }  // namespace
 
-AcrossResidual MedianAcross(const std::vector<OffsetPixel>& pixels, const std::vector<PatchOffset>& offsets,
-                            size_t views) {
-  std::vector<std::vector<double>> by_view(views);
-  std::vector<double> all;
+AcrossResidual ResidualAcross(const std::vector<OffsetPixel>& pixels, const std::vector<PatchOffset>& offsets,
+                              const std::vector<Camera>& cameras) {
+  struct Place {
+    int view, source, cell;
+    auto operator<=>(const Place&) const = default;
+  };
+  std::map<Place, std::vector<double>> cells;
   for (const PatchOffset& offset : offsets) {
-    const double across = std::abs(offset.across);
-    all.push_back(across);
-    by_view[static_cast<size_t>(pixels[static_cast<size_t>(offset.pixel)].view)].push_back(across);
-    by_view[static_cast<size_t>(offset.source)].push_back(across);
+    const OffsetPixel& pixel = pixels[static_cast<size_t>(offset.pixel)];
+    const Camera& camera = cameras[static_cast<size_t>(pixel.view)];
+    const int column = static_cast<int>(kCellsPerSide * pixel.u / static_cast<float>(camera.width));
+    const int row = static_cast<int>(kCellsPerSide * pixel.v / static_cast<float>(camera.height));
+    cells[{pixel.view, offset.source, kCellsPerSide * row + column}].push_back(offset.across);
   }
-  AcrossResidual residual{Median(&all), {}};
+  std::vector<double> all;
+  std::vector<std::vector<double>> by_view(cameras.size());
+  for (auto& [place, values] : cells) {
+    if (values.size() < kMinCellOffsets) continue;
+    all.push_back(std::abs(Median(&values)));
+    by_view[static_cast<size_t>(place.view)].push_back(all.back());
+    by_view[static_cast<size_t>(place.source)].push_back(all.back());
+  }
+  AcrossResidual residual{Median(&all), {}, all.size()};
   for (std::vector<double>& values : by_view) residual.views.push_back(Median(&values));
   return residual;
 }

@@ -29,13 +29,16 @@ struct PatchOffset {
   double across = 0;         ///< the offset's part across the epipolar line, signed
 };
 
-/// Median |across| in pixels; 0 where there are no offsets.
+/// How far patches lie from their epipolar lines, pixels: single offsets are noisy, so the medians of |median across|
+/// over cells, each a ninth of a view's image and a source view. Cells of few offsets are left out.
 struct AcrossResidual {
-  double all = 0;
-  std::vector<double> views;  ///< of the offsets of which each view is one of the two
+  double all = 0;             ///< 0 without cells
+  std::vector<double> views;  ///< of the cells of which each view is one of the two; 0 without any
+  size_t cells = 0;
 };
-AcrossResidual MedianAcross(const std::vector<OffsetPixel>& pixels, const std::vector<PatchOffset>& offsets,
-                            size_t views);
+/// `cameras` are those of the views.
+AcrossResidual ResidualAcross(const std::vector<OffsetPixel>& pixels, const std::vector<PatchOffset>& offsets,
+                              const std::vector<Camera>& cameras);
 
 /// Measures offsets between the views of one scene. The result does not depend on the number of threads.
 class OffsetMeter {

@@ -36,7 +36,7 @@ PoseRefinement RefinePoses(const std::vector<LoadedView>& views, const std::vect
   std::vector<PatchOffset> offsets = meter.Measure(scene.cameras, scene.pixels);
   refinement.offsets = offsets.size();
   if (offsets.size() < kMinOffsets) return refinement;
-  const AcrossResidual before = MedianAcross(scene.pixels, offsets, views.size());
+  const AcrossResidual before = ResidualAcross(scene.pixels, offsets, scene.cameras);
   refinement.residual = {before.all, before.all};
   for (size_t v = 0; v < views.size(); ++v) refinement.views[v].residual = {before.views[v], before.views[v]};
   if (before.all < options.gate) {
@@ -49,7 +49,7 @@ PoseRefinement RefinePoses(const std::vector<LoadedView>& views, const std::vect
     AdjustScene(offsets, given, options.focal, &scene);
     offsets = meter.Measure(scene.cameras, scene.pixels);
   }
-  const AcrossResidual after = MedianAcross(scene.pixels, offsets, views.size());
+  const AcrossResidual after = ResidualAcross(scene.pixels, offsets, scene.cameras);
   const std::vector<CameraMovement> movements = Movements(given, scene.cameras);
   refinement.residual.after = after.all;
   for (size_t v = 0; v < views.size(); ++v) {
