@@ -37,6 +37,7 @@ constexpr float kMinScale = 0.25f, kMaxScale = 4;  // area of a pixel in the sou
 constexpr int64_t kPixelsPerTask = 128;
 constexpr int kCellsPerSide = 3;        // of an image, for its residual
 constexpr size_t kMinCellOffsets = 20;  // fewer say nothing of their cell
+constexpr size_t kMinViewCells = 4;     // fewer say nothing of their view
 
 /// Brightness in 8-bit units, smoothed by (1 2 1) / 4 along both axes: a bilinear sample of it is nearly unbiased.
 ImageF Smoothed(const ImageF& gray) {
@@ -294,7 +295,9 @@ AcrossResidual ResidualAcross(const std::vector<OffsetPixel>& pixels, const std:
     by_view[static_cast<size_t>(place.source)].push_back(all.back());
   }
   AcrossResidual residual{Median(&all), {}, all.size()};
-  for (std::vector<double>& values : by_view) residual.views.push_back(Median(&values));
+  for (std::vector<double>& values : by_view) {
+    residual.views.push_back(values.size() < kMinViewCells ? 0 : Median(&values));
+  }
   return residual;
 }
 

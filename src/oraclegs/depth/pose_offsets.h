@@ -33,7 +33,7 @@ struct PatchOffset {
 /// over cells, each a ninth of a view's image and a source view. Cells of few offsets are left out.
 struct AcrossResidual {
   double all = 0;             ///< 0 without cells
-  std::vector<double> views;  ///< of the cells of which each view is one of the two; 0 without any
+  std::vector<double> views;  ///< of the cells of which each view is one of the two; 0 where they are few
   size_t cells = 0;
 };
 /// `cameras` are those of the views.

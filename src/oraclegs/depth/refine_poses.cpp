@@ -1,5 +1,7 @@
 #include "oraclegs/depth/refine_poses.h"
 
+#include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "oraclegs/core/interrupt.h"
@@ -9,7 +11,16 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kMinOffsets = 200;  // below, a residual says nothing
+constexpr size_t kMinCells = 8;  // below, a residual says nothing
+
+/// The residual of the view whose pose fits worst: a wrong camera among many hardly shows in the median of all.
+double Worst(const AcrossResidual& residual) {
+  return residual.views.empty() ? 0 : *std::max_element(residual.views.begin(), residual.views.end());
+}
+
+double Total(const AcrossResidual& residual) {
+  return std::accumulate(residual.views.begin(), residual.views.end(), 0.0);
+}
 
 bool MovedTooFar(const std::vector<CameraMovement>& movements) {
   for (const CameraMovement& movement : movements) {
@@ -35,11 +46,11 @@ PoseRefinement RefinePoses(const std::vector<LoadedView>& views, const std::vect
   scene.pixels = meter.Choose(options.pixels_per_view);
   std::vector<PatchOffset> offsets = meter.Measure(scene.cameras, scene.pixels);
   refinement.offsets = offsets.size();
-  if (offsets.size() < kMinOffsets) return refinement;
   const AcrossResidual before = ResidualAcross(scene.pixels, offsets, scene.cameras);
+  if (before.cells < kMinCells) return refinement;
   refinement.residual = {before.all, before.all};
   for (size_t v = 0; v < views.size(); ++v) refinement.views[v].residual = {before.views[v], before.views[v]};
-  if (before.all < options.gate) {
+  if (Worst(before) < options.gate) {
     refinement.result = PoseRefinementResult::kKept;
     return refinement;
   }
@@ -56,7 +67,7 @@ PoseRefinement RefinePoses(const std::vector<LoadedView>& views, const std::vect
     refinement.views[v].residual.after = after.views[v];
     refinement.views[v].movement = movements[v];
   }
-  if (offsets.size() < kMinOffsets || !(after.all < before.all) || MovedTooFar(movements)) {
+  if (after.cells < kMinCells || !(Total(after) < Total(before)) || MovedTooFar(movements)) {
     refinement.result = PoseRefinementResult::kUndone;
     return refinement;
   }

@@ -12,7 +12,7 @@
 namespace oraclegs {
 
 struct PoseRefinementOptions {
-  double gate = 0.15;             ///< pixels: poses with a smaller residual are kept
+  double gate = 0.25;             ///< pixels: poses are kept where no view's residual is above it
   int rounds = 3;                 ///< of measuring and solving
   bool focal = false;             ///< also refines the focal lengths, by one factor for all views
   size_t pixels_per_view = 4000;  ///< with up to five offsets each
@@ -20,12 +20,12 @@ struct PoseRefinementOptions {
 
 enum class PoseRefinementResult {
   kUnknown,  ///< too few patches were found to say anything
-  kKept,     ///< the residual is below the gate
+  kKept,     ///< no view's residual is above the gate
   kRefined,
-  kUndone,  ///< the residual did not fall, or a camera moved too far
+  kUndone,  ///< the views' residuals did not fall, or a camera moved too far
 };
 
-/// Median distance of patches from their epipolar lines in pixels, before and after.
+/// How far patches lie from their epipolar lines (AcrossResidual), pixels of the views' images, before and after.
 struct PoseResidual {
   double before = 0, after = 0;
 };
