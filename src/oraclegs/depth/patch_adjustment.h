@@ -9,7 +9,7 @@
 
 namespace oraclegs {
 
-/// What is adjusted. The first camera and the length of the longest baseline stay.
+/// Poses and depths that are adjusted. The first camera and the length of the longest baseline stay.
 struct AdjustedScene {
   std::vector<Camera> cameras;
   std::vector<OffsetPixel> pixels;  ///< sorted by view; their inverse depths follow

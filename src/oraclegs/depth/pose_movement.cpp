@@ -43,7 +43,7 @@ Similarity WeightedFit(const std::vector<Camera>& from, const std::vector<Camera
   return fit;
 }
 
-/// What is left of a camera's movement, radians and world units of `to`.
+/// A camera's movement beside that of all, radians and world units of `to`.
 Twist LeftOver(const Camera& from, const Camera& to, const Similarity& map) {
   Camera mapped = from;
   mapped.cam_from_world = Moved(from.cam_from_world, map);

@@ -6,19 +6,11 @@
 #include <vector>
 
 #include "oraclegs/depth/depth_map.h"
-#include "oraclegs/depth/plane.h"
+#include "oraclegs/depth/patch_search.h"
 #include "oraclegs/image/image.h"
 #include "oraclegs/scene/loaded_view.h"
 
 namespace oraclegs {
-
-/// A pixel whose surface other views show, with the plane through it.
-struct OffsetPixel {
-  int view = 0;
-  float u = 0, v = 0;              ///< the pixel's center
-  double inv_depth = 0;            ///< 1/world unit
-  float slope_x = 0, slope_y = 0;  ///< relative change of the inverse depth per pixel to the right, downward
-};
 
 /// Where a source view shows the patch around a pixel.
 struct PatchOffset {
@@ -51,9 +43,9 @@ class OffsetMeter {
   /// directions; sorted by view.
   std::vector<OffsetPixel> Choose(size_t most) const;
 
-  /// Offsets of the pixels in the source views of their views, sorted by pixel, seen with these cameras. A patch is
-  /// moved over the source image by Lucas and Kanade's method [Baker 2004], from coarse to fine, up to gain and offset
-  /// of brightness. Left out are patches that are occluded, leave the image, or are not found.
+  /// Offsets of the pixels in the source views of their views, sorted by pixel, seen with these cameras. Patches are
+  /// looked for from coarse to fine (FindPatch). Left out are those that are occluded, leave the image, or are not
+  /// found.
   std::vector<PatchOffset> Measure(const std::vector<Camera>& cameras, const std::vector<OffsetPixel>& pixels) const;
 
   const std::vector<std::vector<int>>& sources() const { return sources_; }
