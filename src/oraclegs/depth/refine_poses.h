@@ -50,8 +50,8 @@ inline constexpr double kMaxPoseDegrees = 3, kMaxPoseShare = 0.03;
 
 /// Refines the poses of the views. `maps` are their depth maps (EstimateDepth), made with the same cameras. The first
 /// camera and the length of the longest baseline stay; other cameras of the scene go along by Following. Depths are
-/// those of the given poses: where poses moved, stereo has to run again, and with better depths a second refinement
-/// finds what is left. The result does not depend on the number of threads. Throws Interrupted.
+/// those of the given poses: where poses moved, stereo has to run again, and with its depths a second refinement (with
+/// a gate of 0) finds what is left. The result does not depend on the number of threads. Throws Interrupted.
 PoseRefinement RefinePoses(const std::vector<LoadedView>& views, const std::vector<DepthMap>& maps,
                            const PoseRefinementOptions& options);
 
