@@ -15,7 +15,7 @@ struct PoseRefinementOptions {
   double gate = 0.25;             ///< pixels: poses are kept where no view's residual is above it
   int rounds = 3;                 ///< of measuring and solving
   bool focal = false;             ///< also refines the focal lengths, by one factor for all views
-  size_t pixels_per_view = 4000;  ///< with up to five offsets each
+  size_t pixels_per_view = 2500;  ///< with up to five offsets each
 };
 
 enum class PoseRefinementResult {
