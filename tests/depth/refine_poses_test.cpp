@@ -12,7 +12,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr int kWidth = 256, kHeight = 192;
+constexpr int kWidth = 208, kHeight = 156;
 
 /// Views of the demo scene from an arc before it.
 std::vector<LoadedView> DemoViews(int n) {
@@ -63,13 +63,13 @@ void ExpectUnchanged(const PoseRefinement& refinement, const std::vector<LoadedV
 }
 
 TEST(RefinePoses, KeepsTruePoses) {
-  const std::vector<LoadedView> views = DemoViews(5);
+  const std::vector<LoadedView> views = DemoViews(4);
   const PoseRefinement refinement = RefinePoses(views, StereoOf(views), {});
   EXPECT_EQ(refinement.result, PoseRefinementResult::kKept);
   EXPECT_LT(refinement.residual.before, 0.15);
   for (const RefinedView& view : refinement.views) EXPECT_LT(view.residual.before, 0.2) << view.name;
   EXPECT_EQ(refinement.residual.after, refinement.residual.before);
-  EXPECT_GT(refinement.offsets, 5000u);
+  EXPECT_GT(refinement.offsets, 3000u);
   ExpectUnchanged(refinement, views);
   for (size_t v = 0; v < views.size(); ++v) {
     EXPECT_EQ(refinement.views[v].name, views[v].name);
@@ -78,7 +78,7 @@ TEST(RefinePoses, KeepsTruePoses) {
 }
 
 TEST(RefinePoses, FindsTruePosesFromWrongOnes) {
-  const std::vector<LoadedView> views = DemoViews(5);
+  const std::vector<LoadedView> views = DemoViews(4);
   const std::vector<Camera> truth = CamerasOfAll(views), given = Disturbed(truth, 0.3, 0.01, 0);
   std::vector<Camera> cameras = given;
   std::vector<PoseResidual> residuals;
