@@ -1,0 +1,80 @@
+#include "oraclegs/depth/refine_poses.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/depth/patch_adjustment.h"
+#include "oraclegs/depth/pose_offsets.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr size_t kMinCells = 8;  // below, a residual says nothing
+
+/// The residual of the view whose pose fits worst: a wrong camera among many hardly shows in the median of all.
+double Worst(const AcrossResidual& residual) {
+  return residual.views.empty() ? 0 : *std::max_element(residual.views.begin(), residual.views.end());
+}
+
+double Total(const AcrossResidual& residual) {
+  return std::accumulate(residual.views.begin(), residual.views.end(), 0.0);
+}
+
+bool MovedTooFar(const std::vector<CameraMovement>& movements) {
+  for (const CameraMovement& movement : movements) {
+    if (!(movement.degrees <= kMaxPoseDegrees && movement.share <= kMaxPoseShare)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+PoseRefinement RefinePoses(const std::vector<LoadedView>& views, const std::vector<DepthMap>& maps,
+                           const PoseRefinementOptions& options) {
+  PoseRefinement refinement;
+  AdjustedScene scene;
+  for (const LoadedView& view : views) {
+    scene.cameras.push_back(view.camera);
+    refinement.views.push_back({view.name, {}, {}});
+  }
+  const std::vector<Camera> given = refinement.cameras = scene.cameras;
+  if (views.size() < 2) return refinement;
+
+  const OffsetMeter meter(views, maps);
+  scene.pixels = meter.Choose(options.pixels_per_view);
+  std::vector<PatchOffset> offsets = meter.Measure(scene.cameras, scene.pixels);
+  refinement.offsets = offsets.size();
+  const AcrossResidual before = ResidualAcross(scene.pixels, offsets, scene.cameras);
+  if (before.cells < kMinCells) return refinement;
+  refinement.residual = {before.all, before.all};
+  for (size_t v = 0; v < views.size(); ++v) refinement.views[v].residual = {before.views[v], before.views[v]};
+  if (Worst(before) < options.gate) {
+    refinement.result = PoseRefinementResult::kKept;
+    return refinement;
+  }
+
+  for (int round = 0; round < options.rounds; ++round) {
+    ThrowIfInterrupted();
+    AdjustScene(offsets, given, options.focal, &scene);
+    offsets = meter.Measure(scene.cameras, scene.pixels);
+  }
+  const AcrossResidual after = ResidualAcross(scene.pixels, offsets, scene.cameras);
+  const std::vector<CameraMovement> movements = Movements(given, scene.cameras);
+  refinement.residual.after = after.all;
+  for (size_t v = 0; v < views.size(); ++v) {
+    refinement.views[v].residual.after = after.views[v];
+    refinement.views[v].movement = movements[v];
+  }
+  if (after.cells < kMinCells || !(Total(after) < Total(before)) || MovedTooFar(movements)) {
+    refinement.result = PoseRefinementResult::kUndone;
+    return refinement;
+  }
+  refinement.result = PoseRefinementResult::kRefined;
+  refinement.cameras = std::move(scene.cameras);
+  refinement.focal_factor = scene.focal_factor;
+  return refinement;
+}
+
+}  // namespace oraclegs
