@@ -12,6 +12,7 @@ namespace oraclegs {
 /// Names of networks in `oraclegs models`.
 inline constexpr const char* kDepthModel = "depth-anything-v2-small";
 inline constexpr const char* kLpipsModel = "lpips-vgg";
+inline constexpr const char* kKeypointModel = "aliked-n16";
 
 /// The .safetensors files of a network, sorted: `given`, or those in it when it is a folder. Without `given`:
 /// NAME.safetensors or the files of the network's folder, in $ORACLEGS_MODELS or ~/.cache/oraclegs; empty when there
@@ -20,6 +21,9 @@ std::vector<std::filesystem::path> FindWeights(const std::string& model, const s
 
 /// Files of LPIPS from --lpips-weights or the models folder; empty when there are none. Throws as FindWeights.
 std::vector<std::filesystem::path> FindLpips(const WeightOptions& options);
+
+/// The file of ALIKED in the models folder; empty where it is not, or where this build has no networks.
+std::filesystem::path FindKeypointWeights();
 
 /// "`oraclegs models fetch NAME` brings them", for messages.
 std::string HowToFetch(const std::string& model);

@@ -5,6 +5,7 @@
 
 #include "oraclegs/core/progress.h"
 #include "oraclegs/scene/scene.h"
+#include "oraclegs/sfm/learned_features.h"
 
 namespace oraclegs {
 
@@ -15,6 +16,8 @@ namespace oraclegs {
 /// Returns a scene of format kColmap whose views are the registered photos, and reports to `listener` which photos
 /// registered. Throws InputError when colmap is missing or fewer than two registered, naming those that failed and what
 /// to retake.
-Scene RegisterViews(const Scene& photos, const std::filesystem::path& work_dir, const Listener& listener);
+/// `find_features` is asked, where it is given, when features of SIFT leave photos out.
+Scene RegisterViews(const Scene& photos, const std::filesystem::path& work_dir, const Listener& listener,
+                    const FeatureFinder& find_features = {});
 
 }  // namespace oraclegs

@@ -103,8 +103,8 @@ std::vector<WeightsInfo> KeypointModels() {
   aliked.purpose = "keypoints and descriptors of photos (ALIKED)";
   aliked.license = "BSD-3-Clause";
   aliked.license_page = "https://github.com/Shiaoming/ALIKED/blob/main/LICENSE";
-  aliked.files = {{kAliked + "aliked-n16.pth", "5be8704840ed662d9d8c561bf7279c222092674e7eb05fd0feab94899e9d82f2",
-                   2'738'091}};
+  aliked.files = {
+      {kAliked + "aliked-n16.pth", "5be8704840ed662d9d8c561bf7279c222092674e7eb05fd0feab94899e9d82f2", 2'738'091}};
   aliked.download_bytes = 2'738'091;
   return {aliked};
 }

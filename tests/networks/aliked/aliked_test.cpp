@@ -39,9 +39,9 @@ TEST_P(AlikedParity, FeaturesMatchTheReference) {
     EXPECT_NEAR(keypoint.x() - 0.5, places[i][0].item<float>(), 2e-3) << i;
     EXPECT_NEAR(keypoint.y() - 0.5, places[i][1].item<float>(), 2e-3) << i;
   }
-  const Tensor descriptors = torch::tensor(std::vector<float>(features.descriptors.span().begin(),
-                                                              features.descriptors.span().end()))
-                                 .view({places.size(0), 16});
+  const Tensor descriptors =
+      torch::tensor(std::vector<float>(features.descriptors.span().begin(), features.descriptors.span().end()))
+          .view({places.size(0), 16});
   ExpectGolden(descriptors, file, "descriptors", 1e-3);
 }
 

@@ -59,14 +59,14 @@ AlikedConfig RecognizeAliked(const std::filesystem::path& path) {
                      path.string(), name, dimensions);
   };
   AlikedConfig config;
-  config.widths = {
-      shape("block1.conv2.weight", 4)[0], shape("block2.conv2.weight", 4)[0],
-      shape("block3.conv2.regular_conv.weight", 4)[0], shape("block4.conv2.regular_conv.weight", 4)[0]};
+  config.widths = {shape("block1.conv2.weight", 4)[0], shape("block2.conv2.weight", 4)[0],
+                   shape("block3.conv2.regular_conv.weight", 4)[0], shape("block4.conv2.regular_conv.weight", 4)[0]};
   config.samples = shape("desc_head.agg_weights", 3)[0];
   if (config.descriptor_size() % 4 != 0) {
-    throw InputError("{}: is no ALIKED, its descriptors have {} numbers, which four maps cannot share; name its official "
-                     "weights",
-                     path.string(), config.descriptor_size());
+    throw InputError(
+        "{}: is no ALIKED, its descriptors have {} numbers, which four maps cannot share; name its official "
+        "weights",
+        path.string(), config.descriptor_size());
   }
   return config;
 }

@@ -39,7 +39,8 @@ class PixelFeatures {
       return;
     }
     for (size_t i = 0; i < 4; ++i) {
-      ReadMap(i, static_cast<float>(x + left_), static_cast<float>(y + top_), out + static_cast<int64_t>(i) * channels_);
+      ReadMap(i, static_cast<float>(x + left_), static_cast<float>(y + top_),
+              out + static_cast<int64_t>(i) * channels_);
     }
     float length = 0;
     for (int64_t c = 0; c < size(); ++c) length += out[c] * out[c];

@@ -10,10 +10,10 @@ namespace oraclegs::aliked {
 
 struct DescriptorHead {
   AlikedConfig config;
-  Conv offsets;            ///< 3x3 around a keypoint -> 2 samples
-  Linear offsets2;         ///< then all x of the samples, and all y
-  Tensor feature_weight;   ///< [size, size], of each sample's features
-  Tensor sample_weights;   ///< [samples * size, size]
+  Conv offsets;           ///< 3x3 around a keypoint -> 2 samples
+  Linear offsets2;        ///< then all x of the samples, and all y
+  Tensor feature_weight;  ///< [size, size], of each sample's features
+  Tensor sample_weights;  ///< [samples * size, size]
 };
 DescriptorHead LoadDescriptorHead(const ParameterScope& at, const AlikedConfig& config);
 

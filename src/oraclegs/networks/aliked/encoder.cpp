@@ -82,9 +82,10 @@ Tensor Forward(const BlockConv& layer, const Tensor& x) {
   const Tensor offsets = oraclegs::Forward(layer.offsets, x).clamp_(-reach, reach).view({kTaps, 2, height, width});
   const auto range = [&](int64_t begin, int64_t end) { return at::arange(begin, end, x.options()); };
   const Tensor around = range(-1, 2);
-  const Tensor y = offsets.select(1, 0) + range(0, height).view({1, height, 1}) +
-                   around.repeat_interleave(3).view({kTaps, 1, 1});
-  const Tensor left = offsets.select(1, 1) + range(0, width).view({1, 1, width}) + around.repeat({3}).view({kTaps, 1, 1});
+  const Tensor y =
+      offsets.select(1, 0) + range(0, height).view({1, height, 1}) + around.repeat_interleave(3).view({kTaps, 1, 1});
+  const Tensor left =
+      offsets.select(1, 1) + range(0, width).view({1, 1, width}) + around.repeat({3}).view({kTaps, 1, 1});
   const auto normalized = [](const Tensor& pixel, int64_t side) {
     return (2 * pixel + 1) / static_cast<double>(side) - 1;
   };

@@ -4,8 +4,8 @@
 #include <torch/cuda.h>
 
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/networks/build_id.h"
 #include "oraclegs/networks/aliked/aliked.h"
+#include "oraclegs/networks/build_id.h"
 #include "oraclegs/networks/common/tensor_buffer.h"
 #include "oraclegs/networks/depth_anything/depth_anything.h"
 #include "oraclegs/networks/lpips/perceptual_network.h"
