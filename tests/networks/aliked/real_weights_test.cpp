@@ -17,6 +17,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kFirst = "0019.jpg";
+constexpr const char* kSecond = "0035.jpg";
+constexpr int kMinInliers = 80;  // beyond those of SIFT
+
 fs::path FolderOf(const char* variable) {
   const char* folder = std::getenv(variable);
   return folder ? folder : "";
