@@ -19,7 +19,7 @@ inline constexpr double kMaxDistanceRatio = 0.9;
 
 /// The pairs of descriptors a [A, size] and b [B, size], of unit length, that are nearest to each other, where the
 /// second nearest of either is farther away by the factor 1 / max_ratio. Ordered by the first. Swapping a and b swaps
-/// the indices. The same result for any number of threads. Throws ShapeError.
+/// the indices. The result does not depend on the number of threads. Throws ShapeError.
 std::vector<FeatureMatch> MatchDescriptors(const Buffer<float>& a, const Buffer<float>& b,
                                            double max_ratio = kMaxDistanceRatio);
 

@@ -59,7 +59,7 @@ bool LacksMatches(const std::filesystem::path& report) {
   }
 }
 
-/// What to try where photos stay out; empty where it was tried, cannot be, or would not help.
+/// Advice where photos stay out; empty where it was tried, cannot be, or would not help.
 std::string AdviceToLearn(const Run& run) {
   if (!run.plan.keypoints.empty() || !HasNetworksLibrary()) return "";
   if (!LacksMatches(run.workspace.sfm() / "registration.json")) return "";

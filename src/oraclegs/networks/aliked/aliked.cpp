@@ -10,7 +10,7 @@
 namespace oraclegs::aliked {
 namespace {
 
-/// What a file that was converted without the name of its network holds beside weights.
+/// Names of tensors that a file holds beside weights when it was converted without the name of its network.
 std::vector<std::string> NamesOfCounters() {
   std::vector<std::string> names;
   for (int block = 1; block <= 4; ++block) {

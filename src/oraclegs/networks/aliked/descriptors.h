@@ -17,8 +17,8 @@ struct DescriptorHead {
 };
 DescriptorHead LoadDescriptorHead(const ParameterScope& at, const AlikedConfig& config);
 
-/// Descriptors [keypoints, size] of unit length, made on the CPU wherever the maps are. The same bits for any number of
-/// threads.
+/// Descriptors [keypoints, size] of unit length, made on the CPU wherever the maps are. Their bits do not depend on the
+/// number of threads.
 Tensor Describe(const DescriptorHead& head, const FeatureMaps& maps, const std::vector<Keypoint>& keypoints);
 
 }  // namespace oraclegs::aliked

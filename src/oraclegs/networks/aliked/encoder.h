@@ -40,14 +40,14 @@ struct Encoder {
 };
 Encoder LoadEncoder(const ParameterScope& at, const AlikedConfig& config);
 
-/// What the encoder makes of an image of height x width pixels. It works on the image with a margin, so that its sides
+/// Results of the encoder for an image of height x width pixels. It works on the image with a margin, so that its sides
 /// are multiples of 32; the maps are of that, the scores of the image alone.
 struct FeatureMaps {
   std::array<Tensor, 4> maps;  ///< [1, descriptor_size / 4, ...]
   Tensor scores;               ///< [height, width] in (0, 1)
   int64_t left = 0, top = 0;   ///< where the image begins in the largest map
 };
-/// rgb [height, width, 3] float32 in [0, 1]. Throws ShapeError.
+/// rgb [height, width, 3] float32 in [0, 1]. The last bits depend on the number of threads. Throws ShapeError.
 FeatureMaps Forward(const Encoder& encoder, const Tensor& rgb);
 
 }  // namespace oraclegs::aliked

@@ -32,7 +32,7 @@ class ScoreMap {
 
   float At(int64_t x, int64_t y) const { return values_[y * width_ + x]; }
 
-  /// Of a place at least a pixel away from the last row and column.
+  /// The score between four pixels, of a place above the last row and left of the last column.
   float Between(const Eigen::Vector2f& place) const {
     const auto x = static_cast<int64_t>(place.x()), y = static_cast<int64_t>(place.y());
     const float u = place.x() - static_cast<float>(x), v = place.y() - static_cast<float>(y);
