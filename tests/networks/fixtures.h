@@ -45,8 +45,8 @@ std::array<int64_t, N> Counts(const SafetensorsFile& file, const std::string& ke
 }
 
 /// Names and shapes of tests/golden/NAME (columns name, shape as 1x2x3) but those that begin with `without`.
-inline std::map<std::string, std::vector<int64_t>> ParameterList(const std::string& name,
-                                                                 const std::string& without = "-") {
+inline std::map<std::string, std::vector<int64_t>> GoldenParameterList(const std::string& name,
+                                                                       const std::string& without = "-") {
   std::ifstream in(GoldenDir() / name);
   std::map<std::string, std::vector<int64_t>> out;
   std::string line;

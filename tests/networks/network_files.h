@@ -7,6 +7,7 @@
 #include <string>
 
 #include "oraclegs/core/files.h"
+#include "oraclegs/networks/aliked/aliked.h"
 #include "oraclegs/networks/depth_anything/depth_anything.h"
 #include "oraclegs/networks/lpips/lpips.h"
 
@@ -65,6 +66,17 @@ inline std::filesystem::path MakeTinyLpips(const std::filesystem::path& path, ui
   KeptParameters parameters(seed);
   LoadLpips(parameters, {network, {4, 6, 8, 10, 12}});
   for (int i = 0; i < 5; ++i) parameters.at("lin" + std::to_string(i) + ".model.1.weight").abs_();  // none is negative
+  return parameters.Write(path);
+}
+
+/// ALIKED of narrow blocks and four samples; noise has many keypoints by it.
+inline std::filesystem::path MakeTinyAliked(const std::filesystem::path& path, uint64_t seed = 9) {
+  KeptParameters parameters(seed);
+  aliked::LoadAliked(parameters, {{4, 8, 12, 16}, 4});
+  for (int block = 1; block <= 4; ++block) {
+    for (int norm = 1; norm <= 2; ++norm) parameters.at(fmt::format("block{}.bn{}.running_var", block, norm)).fill_(1);
+  }
+  parameters.at("score_head.6.weight").mul_(4);  // scores that differ
   return parameters.Write(path);
 }
 

@@ -57,6 +57,16 @@ TEST_F(PluginTest, PredictsDepthAndDistance) {
   EXPECT_EQ(lpips->Score(render, render, LpipsRange::kZeroOne), 0);
 }
 
+TEST_F(PluginTest, FindsKeypoints) {
+  const auto network = GetNetworks().LoadKeypoints(WriteTinyAliked(dir / "aliked.safetensors"), kCpu);
+  ImageF image{96, 64, 3, std::vector<float>(96 * 64 * 3)};
+  for (size_t i = 0; i < image.data.size(); ++i) image.data[i] = static_cast<float>(i * i % 251) / 251;
+  const ImageFeatures features = network->Find(image, {.min_score = 0.01, .max_keypoints = 20});
+  ASSERT_EQ(features.keypoints.size(), 20u);
+  EXPECT_EQ(features.descriptors.shape(), (Shape{20, network->descriptor_size()}));
+  EXPECT_GE(features.scores[0], features.scores[19]);
+}
+
 TEST_F(PluginTest, StopsWhenTheProgramIsInterrupted) {
   const auto attention = GetNetworks().OpenAttention(WriteTinyVggt(dir / "vggt.safetensors"), AttentionOptions(), kCpu);
   const Image8 image{28, 28, 3, std::vector<uint8_t>(28 * 28 * 3, 9)};

@@ -22,6 +22,7 @@ inline void MakeTinyVariants(const std::filesystem::path& folder) {
   }
   for (const uint64_t seed : {7, 8}) MakeTinyLpips(folder / fmt::format("lpips_{}.safetensors", seed), seed);
   MakeTinyLpips(folder / "lpips_alex.safetensors", 7, FeatureNetwork::kAlexNet);
+  MakeTinyAliked(folder / "aliked.safetensors");
 }
 
 }  // namespace oraclegs

@@ -71,6 +71,12 @@ TEST_F(WeightsTest, AreThoseThatAreNamed) {
               HasSubstr("has no .safetensors file in it"));
 }
 
+TEST_F(WeightsTest, KeypointsNeedAFileAndALibrary) {
+  EXPECT_EQ(FindKeypointWeights(), "");
+  const fs::path file = Put("aliked-n16/model.safetensors");
+  EXPECT_EQ(FindKeypointWeights(), HasNetworks() ? file : fs::path());
+}
+
 TEST_F(WeightsTest, AutoTakesTheNetworkWhereItIs) {
   EXPECT_EQ(Choose({}).prior, DepthPrior::kStereo);
   EXPECT_FALSE(Choose({}).HasNetwork());

@@ -215,6 +215,45 @@ TEST(ReadMatchedPairs, RefusesAnInvalidPair) {
   }
 }
 
+TEST(AppendKeypoints, StandBehindThoseOfColmap) {
+  const TempDir dir;
+  const fs::path path = WriteDatabase(dir);
+  const Sqlite database(path);
+  // One of six columns (an affine shape), one of two; the third image has none yet.
+  database.Execute(
+      "UPDATE keypoints SET rows = 1, data = zeroblob(24) WHERE image_id = 1;"
+      "UPDATE keypoints SET rows = 2, cols = 2, data = zeroblob(16) WHERE image_id = 2;"
+      "DELETE FROM keypoints WHERE image_id = 7;");
+  EXPECT_EQ(AppendKeypoints(path, 1, {{1, 2}}), 1);
+  EXPECT_EQ(AppendKeypoints(path, 2, {{1, 2}, {2, 1}}), 2);
+  EXPECT_EQ(AppendKeypoints(path, 7, {}), 0);
+  const std::string zero = "00000000", one = "0000803F", two = "00000040";
+  EXPECT_EQ(database.Rows("SELECT rows, cols, hex(data) FROM keypoints ORDER BY image_id"),
+            (Rows{"2|6|" + std::string(48, '0') + one + two + one + zero + zero + one,
+                  "4|2|" + std::string(32, '0') + one + two + two + one, "0|6|"}));
+}
+
+TEST(AppendKeypoints, RefusesADamagedList) {
+  const TempDir dir;
+  const fs::path path = WriteDatabase(dir);
+  EXPECT_THAT(MessageOf<RunError>([&] {
+                AppendKeypoints(path, 1, {{1, 2}});
+              }),
+              AllOf(StartsWith(path.string()), HasSubstr("the keypoints of image 1 are damaged")));
+}
+
+TEST(ReadMatches, AreIndicesOfBothImages) {
+  const TempDir dir;
+  const fs::path path = WriteDatabase(dir, Matches());
+  Sqlite(path).Execute(
+      fmt::format("UPDATE matches SET rows = 2, data = x'01000000020000000300000004000000' WHERE "
+                  "pair_id = {}",
+                  PairId(1, 2)));
+  EXPECT_THAT(ReadMatches(path, 1, 2), testing::ElementsAre(FeatureMatch{1, 2}, FeatureMatch{3, 4}));
+  EXPECT_TRUE(ReadMatches(path, 1, 7).empty()) << "damaged";
+  EXPECT_TRUE(ReadMatches(path, 3, 4).empty());
+}
+
 TEST(RemoveMatches, RemovesPairsInEitherOrder) {
   const TempDir dir;
   const fs::path path = WriteDatabase(dir, Matches());

@@ -7,11 +7,13 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/scene/colmap_files.h"
 #include "oraclegs/scene/colmap_model.h"
 #include "oraclegs/scene/read_colmap.h"
@@ -54,21 +56,21 @@ void WriteDatabase(const fs::path& path, int inliers) {
   std::string sql =
       "CREATE TABLE cameras (camera_id INTEGER PRIMARY KEY, model INTEGER, width INTEGER, height INTEGER, params BLOB, "
       "prior_focal_length INTEGER); CREATE TABLE images (image_id INTEGER PRIMARY KEY, name TEXT, camera_id INTEGER);"
-      "CREATE TABLE keypoints (image_id INTEGER PRIMARY KEY, rows INTEGER);"
+      "CREATE TABLE keypoints (image_id INTEGER PRIMARY KEY, rows INTEGER, cols INTEGER, data BLOB);"
       "CREATE TABLE descriptors (image_id INTEGER PRIMARY KEY);"
-      "CREATE TABLE matches (pair_id INTEGER PRIMARY KEY, rows INTEGER);"
+      "CREATE TABLE matches (pair_id INTEGER PRIMARY KEY, rows INTEGER, data BLOB);"
       "CREATE TABLE two_view_geometries (pair_id INTEGER PRIMARY KEY, rows INTEGER, config INTEGER, H BLOB);"
       "INSERT INTO cameras VALUES (1, 2, 100, 80, zeroblob(32), 0);";
   for (size_t i = 0; i < kNames.size(); ++i) {
     sql += fmt::format(
-        "INSERT INTO images VALUES ({0}, '{1}', 1); INSERT INTO keypoints VALUES ({0}, 900);"
+        "INSERT INTO images VALUES ({0}, '{1}', 1); INSERT INTO keypoints VALUES ({0}, 900, 2, zeroblob(7200));"
         "INSERT INTO descriptors VALUES ({0});",
         i + 1, kNames[i]);
   }
   for (const auto& [a, b] : {std::pair(1, 2), std::pair(1, 3), std::pair(2, 3)}) {
     const int64_t id = int64_t{2147483647} * a + b;
     sql += fmt::format(
-        "INSERT INTO matches VALUES ({0}, 100); INSERT INTO two_view_geometries VALUES ({0}, {1}, 3, NULL);", id,
+        "INSERT INTO matches VALUES ({0}, 100, NULL); INSERT INTO two_view_geometries VALUES ({0}, {1}, 3, NULL);", id,
         inliers);
   }
   EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK) << sqlite3_errmsg(database);
@@ -219,6 +221,41 @@ TEST(RunAttempts, KeepsTheDatabaseOfTheBestModel) {
   EXPECT_EQ(result.attempts.back().features, "coarse features");
   EXPECT_EQ(fake.Count("feature_extractor"), 2);
   EXPECT_THAT(FilesIn(dir.path()), ElementsAre("colmap.log", "database.db", "sparse"));
+}
+
+/// One keypoint an image, at (1, 2), that matches in all.
+LearnedFeatures FindOne(const ImageF&) { return {{Eigen::Vector2f(1, 2)}, Buffer<float>::From({1, 2}, {0.6f, 0.8f})}; }
+
+void WritePhotos(const fs::path& work_dir) {
+  for (const std::string& name : kNames) {
+    fs::create_directories((work_dir / "images" / name).parent_path());
+    WritePng(work_dir / "images" / name, Image8{4, 4, 3, std::vector<uint8_t>(48, 7)});
+  }
+}
+
+TEST(RunAttempts, AddsLearnedFeaturesWhereOthersLeavePhotosOut) {
+  const TempDir dir;
+  WritePhotos(dir.path());
+  const FakeMapper fake("case $n in 1) give two /0;; 5) give three /0;; *) exit 1;; esac",
+                        "matches_importer) cp \"$here/fresh.db\" \"$database\";;");
+  AttemptRequest request{kNames, false, dir.path()};
+  request.find_features = FindOne;
+  EventRecorder events;
+  const AttemptResult result = RunAttempts(request, events.AsListener());
+  EXPECT_EQ(result.best.registered(), 3);
+  EXPECT_EQ(result.attempts.back().features, "learned features");
+  EXPECT_EQ(fake.Count("feature_extractor"), 1);
+  EXPECT_EQ(fake.Count("matches_importer"), 1);
+  EXPECT_THAT(events.notes,
+              testing::Contains(HasSubstr("2 of 3 photos are registered; trying again with learned features")));
+}
+
+TEST(RunAttempts, AsksForNoLearnedFeaturesWhereAllPhotosRegister) {
+  const TempDir dir;
+  const FakeMapper fake("give three /0", "");
+  AttemptRequest request{kNames, false, dir.path()};
+  request.find_features = [](const ImageF&) -> LearnedFeatures { throw std::logic_error("it was asked"); };
+  EXPECT_EQ(RunAttempts(request, Silent()).best.registered(), 3);
 }
 
 TEST(RunAttempts, EndsSoonWhenNothingMatches) {

@@ -28,7 +28,7 @@ ModelQuality SoundOf(int images) {
 
 TEST(RegistrationSchedule, BeginsStrict) {
   const auto& schedule = RegistrationSchedule();
-  ASSERT_EQ(schedule.size(), 5u);
+  ASSERT_EQ(schedule.size(), 6u);
   EXPECT_THAT(schedule[0].extraction, IsEmpty()) << "colmap's own features";
   EXPECT_THAT(schedule[0].matching, IsEmpty());
   ASSERT_EQ(schedule[0].attempts.size(), 4u);
@@ -81,20 +81,22 @@ TEST(IsWorthTrying, SavesExpensiveSetsForFewImages) {
     EXPECT_TRUE(IsWorthTrying(schedule[i], SoundOf(2), 3, linked)) << i;
     EXPECT_FALSE(IsWorthTrying(schedule[i], {}, 25, linked)) << "hours";
   }
-  EXPECT_TRUE(IsWorthTrying(schedule[1], {}, 24, linked)) << "coarse features";
-  EXPECT_FALSE(IsWorthTrying(schedule[2], {}, 24, linked)) << "a quarter of an hour";
-  EXPECT_FALSE(IsWorthTrying(schedule[4], SoundOf(11), 12, linked));
+  EXPECT_TRUE(IsWorthTrying(schedule[1], {}, 24, linked)) << "learned features";
+  EXPECT_TRUE(IsWorthTrying(schedule[2], {}, 24, linked)) << "coarse features";
+  EXPECT_FALSE(IsWorthTrying(schedule[3], {}, 24, linked)) << "a quarter of an hour";
+  EXPECT_FALSE(IsWorthTrying(schedule[5], SoundOf(11), 12, linked));
 }
 
 TEST(IsWorthTrying, AsksTheMatches) {
   const auto& schedule = RegistrationSchedule();
-  EXPECT_TRUE(IsWorthTrying(schedule[1], SoundOf(2), 3, {0, false})) << "coarse features may link what is missing";
-  EXPECT_FALSE(IsWorthTrying(schedule[2], SoundOf(2), 3, {0, false})) << "nothing does";
+  EXPECT_TRUE(IsWorthTrying(schedule[1], SoundOf(2), 3, {0, false})) << "learned features may link what is missing";
+  EXPECT_TRUE(IsWorthTrying(schedule[2], SoundOf(2), 3, {0, false})) << "coarse features may, too";
+  EXPECT_FALSE(IsWorthTrying(schedule[3], SoundOf(2), 3, {0, false})) << "nothing does";
   EXPECT_FALSE(IsWorthTrying(schedule[1], {}, 3, {3, true})) << "no features give parallax";
 }
 
 TEST(IsWorthTrying, StopsWherePhotosAreLinkedInPairsAlone) {
-  const FeatureSet& costly = RegistrationSchedule()[2];
+  const FeatureSet& costly = RegistrationSchedule()[3];
   const ImageLinks pairs{{"0", "1"}, {"2", "3"}, {"4", "5"}};
   for (const ModelQuality& best : {ModelQuality(), SoundOf(2)}) {
     const MatchEvidence evidence = EvidenceOf(pairs, best, false);

@@ -41,6 +41,8 @@ fs::path WriteTinyLpips(const fs::path& path, uint64_t seed) {
 
 fs::path WriteTinyAlexNetLpips(const fs::path& path) { return Copy("variants/lpips_alex.safetensors", path); }
 
+fs::path WriteTinyAliked(const fs::path& path) { return Copy("variants/aliked.safetensors", path); }
+
 void WriteTinySeva(const fs::path& models) { CopyModels(models, {"seva", "sd21-vae", "openclip-vith14"}); }
 
 void WriteTinyNetworks(const fs::path& models) {

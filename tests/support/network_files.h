@@ -23,6 +23,7 @@ std::filesystem::path WriteTinyDepthAnything(const std::filesystem::path& path, 
 /// LPIPS with VGG16, seed 7 or 8.
 std::filesystem::path WriteTinyLpips(const std::filesystem::path& path, uint64_t seed = 7);
 std::filesystem::path WriteTinyAlexNetLpips(const std::filesystem::path& path);
+std::filesystem::path WriteTinyAliked(const std::filesystem::path& path);
 
 /// Files of Stable Virtual Camera below a folder of models: seva, sd21-vae and openclip-vith14.
 void WriteTinySeva(const std::filesystem::path& models);

@@ -17,7 +17,8 @@ consteval uint64_t SharedLayout() {
   for (const uint64_t size :
        {sizeof(Buffer<float>), sizeof(Storage), sizeof(Image8), sizeof(ImageF), sizeof(Camera), sizeof(LoadedView),
         sizeof(SevaOptions), sizeof(ViewRequest), sizeof(ViewGeneratorRequest), sizeof(PoseRequest),
-        sizeof(PoseEstimate), sizeof(CloudPoint), sizeof(Device), sizeof(Event)}) {
+        sizeof(PoseEstimate), sizeof(CloudPoint), sizeof(ImageFeatures), sizeof(KeypointOptions), sizeof(Device),
+        sizeof(Event)}) {
     add(size);
   }
   for (const char* c = __VERSION__; *c != '\0'; ++c) add(static_cast<uint64_t>(*c));

@@ -43,6 +43,27 @@ class DepthNetwork {
                                       const std::function<Buffer<float>(const Buffer<float>&)>& gradient) const = 0;
 };
 
+/// Keypoints of an image, best first: points that are found again in other images of the same place.
+struct ImageFeatures {
+  std::vector<Eigen::Vector2f> keypoints;  ///< pixels from the image's top-left corner
+  std::vector<float> scores;               ///< in (0, 1), of each keypoint
+  Buffer<float> descriptors;               ///< [keypoints, size] of unit length, on the host
+};
+
+struct KeypointOptions {
+  double min_score = 0.2;        ///< in (0, 1)
+  int64_t max_keypoints = 4096;  ///< the best are kept
+  int64_t max_side = 1600;       ///< pixels of the longer side to which a larger image is reduced
+};
+
+/// ALIKED: keypoints of images, and descriptors by which they are matched.
+class KeypointNetwork {
+ public:
+  virtual ~KeypointNetwork() = default;
+  virtual int64_t descriptor_size() const = 0;
+  virtual ImageFeatures Find(const ImageF& rgb, const KeypointOptions& options) const = 0;
+};
+
 /// Range of the values that LPIPS reads. The two give different scores, and both are in use.
 enum class LpipsRange {
   kZeroOne,      ///< the image in [0, 1] as it is: training losses and scores of the 3DGS family
@@ -190,6 +211,7 @@ class Networks {
   /// True when its libtorch computes on GPUs; otherwise networks run on the CPU alone.
   virtual bool has_cuda() const = 0;
   virtual std::unique_ptr<DepthNetwork> LoadDepth(const std::filesystem::path& weights, Device device) const = 0;
+  virtual std::unique_ptr<KeypointNetwork> LoadKeypoints(const std::filesystem::path& weights, Device device) const = 0;
   /// cache_bytes: for targets' features (PerceptualNetwork::Loss); what does not fit is computed each time.
   virtual std::unique_ptr<PerceptualNetwork> LoadPerceptual(const std::vector<std::filesystem::path>& weights,
                                                             Device device, int64_t cache_bytes) const = 0;

@@ -120,6 +120,7 @@ Plan MakePlan(const RunOptions& options, bool has_poses) {
     plan.poses = RequireVggtWeights(options.weights.vggt_weights, "--poses vggt");
     RequireNetworksLibrary("--poses vggt");
   }
+  if (!has_poses && options.input.poses != PoseSource::kVggt) plan.keypoints = FindKeypointWeights();
   if (plan.proposes && options.propose.proposal_size == ProposalSize::kOwn && !plan.Uses(options, "seva")) {
     throw UsageError("--set proposal-size=own: only --proposers seva has a size of its own");
   }

@@ -54,6 +54,7 @@ struct Plan {
   DepthSource depth = {};                    ///< valid when needs_depth
   OracleChoice oracle = {};                  ///< valid when has_proposals
   std::optional<VggtWeights> poses = {};     ///< set for --poses vggt when poses are to be found; unset = colmap
+  std::filesystem::path keypoints = {};      ///< weights of ALIKED, for colmap's poses; empty = SIFT alone
   std::vector<std::filesystem::path> lpips;  ///< weight files; empty = no LPIPS
 
   /// True when the run makes proposals itself, and asks the proposer of this word.

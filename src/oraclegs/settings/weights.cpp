@@ -60,6 +60,11 @@ std::vector<fs::path> FindLpips(const WeightOptions& options) {
   return FindWeights(kLpipsModel, options.lpips_weights);
 }
 
+fs::path FindKeypointWeights() {
+  const std::vector<fs::path> files = FindWeights(kKeypointModel, {});
+  return files.size() == 1 && HasNetworksLibrary() ? files[0] : fs::path();
+}
+
 DepthSource ChooseDepthSource(const RunOptions& options) {
   const Auto<DepthPrior>& asked = options.depth.depth_prior;
   if (asked == DepthPrior::kNone || asked == DepthPrior::kStereo) return {asked.value(), {}};

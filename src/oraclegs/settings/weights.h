@@ -13,6 +13,7 @@ namespace oraclegs {
 /// Names of networks in `oraclegs models`.
 inline constexpr const char* kDepthModel = "depth-anything-v2-small";
 inline constexpr const char* kLpipsModel = "lpips-vgg";
+inline constexpr const char* kKeypointModel = "aliked-n16";
 
 /// The .safetensors files of a network, sorted: `given`, or those in it when it is a folder. Without `given`:
 /// NAME.safetensors or the files of the network's folder, in $ORACLEGS_MODELS or ~/.cache/oraclegs; empty when there
@@ -24,6 +25,9 @@ std::vector<std::filesystem::path> FindLpips(const WeightOptions& options);
 
 /// Bytes of all tensors of a file.
 int64_t BytesOf(const SafetensorsFile& file);
+
+/// The file of ALIKED in the models folder; empty where it is not, or where this build has no networks.
+std::filesystem::path FindKeypointWeights();
 
 /// "`oraclegs models fetch NAME` brings them", for messages.
 std::string HowToFetch(const std::string& model);

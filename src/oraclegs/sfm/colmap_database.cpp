@@ -1,6 +1,7 @@
 #include "oraclegs/sfm/colmap_database.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 #include "oraclegs/core/error.h"
@@ -103,6 +104,49 @@ std::vector<MatchedPair> ReadMatchedPairs(const fs::path& database) {
     pairs.push_back(pair);
   }
   return pairs;
+}
+
+std::vector<FeatureMatch> ReadMatches(const fs::path& database, uint32_t first, uint32_t second) {
+  const DatabaseFile open(database);
+  const DatabaseStatement rows(open, "SELECT rows, data FROM matches WHERE pair_id = ?1");
+  sqlite3_bind_int64(rows.get(), 1, PairId(first, second));
+  if (!rows.Step()) return {};
+  const auto indices = GetList<uint32_t>(rows.get(), 1, GetCount(rows.get(), 0), 2);
+  std::vector<FeatureMatch> matches;
+  for (size_t i = 0; i < indices.size(); i += 2) matches.push_back({indices[i], indices[i + 1]});
+  return matches;
+}
+
+int AppendKeypoints(const fs::path& database, uint32_t image_id, const std::vector<Eigen::Vector2f>& keypoints) {
+  constexpr int kAffine = 6;  // x, y, and a matrix of 2 x 2
+  const DatabaseFile open(database);
+  std::vector<float> values;
+  int rows = 0, columns = kAffine;
+  {
+    const DatabaseStatement stored(open, "SELECT rows, cols, data FROM keypoints WHERE image_id = ?1");
+    sqlite3_bind_int64(stored.get(), 1, image_id);
+    if (stored.Step() && GetCount(stored.get(), 0) > 0) {
+      rows = GetCount(stored.get(), 0);
+      columns = GetCount(stored.get(), 1);
+      values = GetList<float>(stored.get(), 2, rows, columns);
+      if (values.empty() || columns < 2) {
+        throw RunError("{}: the keypoints of image {} are damaged; delete it, colmap makes it anew", database.string(),
+                       image_id);
+      }
+    }
+  }
+  for (const Eigen::Vector2f& keypoint : keypoints) {
+    const std::array<float, kAffine> shape = {keypoint.x(), keypoint.y(), 1, 0, 0, columns == kAffine ? 1.f : 0.f};
+    for (int c = 0; c < columns; ++c) values.push_back(c < kAffine ? shape[static_cast<size_t>(c)] : 0);
+  }
+  const DatabaseStatement write(
+      open, "INSERT OR REPLACE INTO keypoints (image_id, rows, cols, data) VALUES (?1, ?2, ?3, ?4)");
+  sqlite3_bind_int64(write.get(), 1, image_id);
+  sqlite3_bind_int64(write.get(), 2, rows + static_cast<int64_t>(keypoints.size()));
+  sqlite3_bind_int64(write.get(), 3, columns);
+  sqlite3_bind_blob64(write.get(), 4, values.data(), values.size() * sizeof(float), SQLITE_STATIC);
+  write.Step();
+  return rows;
 }
 
 void RemoveMatches(const fs::path& database, const std::vector<std::pair<uint32_t, uint32_t>>& pairs) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "oraclegs/camera/intrinsics.h"
+#include "oraclegs/sfm/match_descriptors.h"
 
 namespace oraclegs {
 
@@ -52,6 +53,15 @@ struct MatchedPair {
 /// Every pair that was matched, ordered by (first, second). Throws RunError naming the database, also for a pair that
 /// is not one of two images.
 std::vector<MatchedPair> ReadMatchedPairs(const std::filesystem::path& database);
+
+/// The features of two images that look alike, by their indices in each; a is of `first`, the smaller id. Empty when
+/// they were not matched, or the list is damaged. Throws RunError naming the database.
+std::vector<FeatureMatch> ReadMatches(const std::filesystem::path& database, uint32_t first, uint32_t second);
+
+/// Writes keypoints, in pixels, behind those of an image, with a size of one pixel; returns how many it had. They get
+/// no descriptors: colmap cannot match them. Throws RunError naming the database.
+int AppendKeypoints(const std::filesystem::path& database, uint32_t image_id,
+                    const std::vector<Eigen::Vector2f>& keypoints);
 
 /// Removes what was found between those pairs of image ids, so that colmap matches them again. Throws RunError.
 void RemoveMatches(const std::filesystem::path& database, const std::vector<std::pair<uint32_t, uint32_t>>& pairs);

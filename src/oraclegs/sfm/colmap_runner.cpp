@@ -218,6 +218,13 @@ void ColmapRunner::MatchPairs(const std::vector<std::pair<std::string, std::stri
           {what, {}, static_cast<int64_t>(names.size())});
 }
 
+void ColmapRunner::ImportMatches(const std::filesystem::path& list, int64_t pairs, const std::string& what) const {
+  ColmapOptions options = MatchingOptions();
+  options["match_list_path"] = list.string();
+  options["match_type"] = "raw";
+  Execute({"colmap", "matches_importer", "--database_path", database().string()}, options, {what, {}, pairs});
+}
+
 void ColmapRunner::AdjustBundle(const std::filesystem::path& model, const std::filesystem::path& adjusted) const {
   Execute({"colmap", "bundle_adjuster"}, {{"input_path", model.string()}, {"output_path", adjusted.string()}},
           {"adjusting", {}, 0});

@@ -69,6 +69,9 @@ class ColmapRunner {
   /// The pairs of names (below images/, without blanks) that the database has no matches of yet.
   void MatchPairs(const std::vector<std::pair<std::string, std::string>>& names, const ColmapOptions& more,
                   const std::string& what) const;
+  /// Matches that colmap verifies and writes: of each pair a line of two names, lines of two indices of keypoints, and
+  /// an empty one. The database has none of these pairs yet.
+  void ImportMatches(const std::filesystem::path& list, int64_t pairs, const std::string& what) const;
   /// Poses, intrinsics and points of a model refined together; reads no database.
   void AdjustBundle(const std::filesystem::path& model, const std::filesystem::path& adjusted) const;
   /// A model without the images whose names `list` has, one a line; reads no database.

@@ -62,6 +62,7 @@ class AttemptRunner {
     const std::vector<FeatureSet>& schedule = RegistrationSchedule();
     first_database_ = Colmap(0).database();
     for (size_t i = 0; i < schedule.size(); ++i) {
+      if (schedule[i].is_learned && !request_.find_features) continue;
       if (i > 0 && !IsWorthTrying(schedule[i], best_.quality, images(), Evidence())) continue;
       TrySet(schedule[i], i);
     }
@@ -90,10 +91,13 @@ class AttemptRunner {
 
   ColmapRunner Colmap(size_t set) const {
     const std::vector<FeatureSet>& schedule = RegistrationSchedule();
-    const auto fits = [&](const FeatureSet& s) { return images() <= s.max_images; };
+    const auto fits = [&](const FeatureSet& s) {
+      return images() <= s.max_images && (request_.find_features || !s.is_learned);
+    };
     const auto most = std::count_if(schedule.begin(), schedule.end(), fits);
+    const auto number = std::count_if(schedule.begin(), schedule.begin() + static_cast<std::ptrdiff_t>(set) + 1, fits);
     return Colmap(fmt::format("features{}", set),
-                  set == 0 ? "" : fmt::format("attempt {} of at most {}, {}: ", set + 1, most, schedule[set].name));
+                  set == 0 ? "" : fmt::format("attempt {} of at most {}, {}: ", number, most, schedule[set].name));
   }
 
   std::string Registered() const {
@@ -148,7 +152,9 @@ class AttemptRunner {
 
   /// The first set is matched in any case: its matches say why images are missing.
   void Try(const FeatureSet& set, const ColmapRunner& colmap, bool is_first) {
-    if (!IsDone(set.name + ", extracted")) {
+    if (set.is_learned) {
+      Learn(set, colmap);
+    } else if (!IsDone(set.name + ", extracted")) {
       RemoveDatabase(colmap.database());  // what a stopped extraction left has no whole cameras
       colmap.ExtractFeatures("SIMPLE_RADIAL", request_.has_masks, set.extraction);
       SetFocalPriors(colmap.database(), request_.focal_priors);
@@ -169,6 +175,15 @@ class AttemptRunner {
       if (crashes_ == crashes) MarkStep(step);
     }
     RegisterRemaining(set, colmap);
+  }
+
+  /// Adds a network's features and matches to those of the first set.
+  void Learn(const FeatureSet& set, const ColmapRunner& colmap) {
+    if (IsDone(set.name + ", matched")) return;
+    RemoveDatabase(colmap.database());  // what a stopped run left has some of them
+    Copy(first_database_, colmap.database());
+    AddLearnedFeatures(colmap, request_.find_features, listener_);
+    MarkStep(set.name + ", matched");
   }
 
   /// Adds what a database says of its images to what the ones before said.
@@ -295,6 +310,7 @@ class AttemptRunner {
   /// With known intrinsics, verification asks for one motion of that camera, so weaker matches can be let in.
   void Rematch() {
     if (IsEnough(best_.quality, images()) || !IsSound(best_.quality)) return;
+    if (best_.set.is_learned) return;  // colmap cannot match a network's features
     const ColmapRunner colmap = Colmap(best_.database.stem().string());
     if (!CanMatch(colmap) || !LinksMakeAModel(Evidence(), images())) return;
     const auto pairs = PairsOfMissing(request_.names, best_.quality);

@@ -9,6 +9,7 @@
 #include "oraclegs/core/progress.h"
 #include "oraclegs/sfm/attempt_journal.h"
 #include "oraclegs/sfm/colmap_quality.h"
+#include "oraclegs/sfm/learned_features.h"
 
 namespace oraclegs {
 
@@ -17,6 +18,7 @@ struct AttemptRequest {
   bool has_masks = false;
   std::filesystem::path work_dir;
   std::map<std::string, double> focal_priors = {};  ///< pixels, by name of the image, where EXIF says it
+  FeatureFinder find_features = {};                 ///< a network's; empty = there is none
 };
 
 struct AttemptResult {

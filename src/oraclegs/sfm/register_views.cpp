@@ -122,10 +122,10 @@ std::vector<std::string> GatherDoubts(const Scene& photos, const Distinct& disti
       photos.root.string(), photos.views.size(), WhyMissing(report), see);
 }
 
+/// `request`: names and focal lengths are still to be filled in.
 RegistrationReport Register(const Scene& photos, const Distinct& distinct, const std::vector<StagedView>& plan,
-                            const fs::path& work_dir, const Listener& listener) {
-  AttemptRequest request;
-  request.work_dir = work_dir;
+                            AttemptRequest request, const Listener& listener) {
+  const fs::path& work_dir = request.work_dir;
   for (size_t i = 0; i < plan.size(); ++i) {
     request.names.push_back(plan[i].name);
     const double focal = photos.views[distinct.views[i]].focal_prior;
@@ -175,7 +175,8 @@ void RequireColmap(const Scene& photos) {
 
 }  // namespace
 
-Scene RegisterViews(const Scene& photos, const fs::path& work_dir, const Listener& listener) {
+Scene RegisterViews(const Scene& photos, const fs::path& work_dir, const Listener& listener,
+                    const FeatureFinder& find_features) {
   const nlohmann::json inputs = DescribeInputs(photos, AllViews(photos));
   const Distinct distinct = FindDistinct(photos, inputs);
   if (distinct.views.size() < 2 && photos.views.size() >= 2) {
@@ -189,15 +190,20 @@ Scene RegisterViews(const Scene& photos, const fs::path& work_dir, const Listene
     warnings = StoredWarnings(work_dir);
   } else {
     RequireColmap(photos);
-    if (const std::string failed = RememberedFailure(work_dir, inputs); !failed.empty()) {
+    nlohmann::json tried = inputs;
+    if (find_features) tried["learned_features"] = true;  // with them it may not fail
+    if (const std::string failed = RememberedFailure(work_dir, tried); !failed.empty()) {
       listener(Note{"all attempts were made by an earlier call, with the same photos; --overwrite makes them again"});
       throw InputError("{}", failed);
     }
     BeginAttempts(work_dir, inputs);
     try {
-      warnings = Register(photos, distinct, plan, work_dir, listener).warnings;
+      AttemptRequest request;
+      request.work_dir = work_dir;
+      request.find_features = find_features;
+      warnings = Register(photos, distinct, plan, std::move(request), listener).warnings;
     } catch (const InputError& failure) {
-      RememberFailure(work_dir, inputs, failure.what());
+      RememberFailure(work_dir, tried, failure.what());
       throw;
     }
     MarkDone(work_dir, inputs);

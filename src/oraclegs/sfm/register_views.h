@@ -7,6 +7,7 @@
 
 #include "oraclegs/core/progress.h"
 #include "oraclegs/scene/scene.h"
+#include "oraclegs/sfm/learned_features.h"
 
 namespace oraclegs {
 
@@ -17,7 +18,9 @@ namespace oraclegs {
 /// Returns a scene of format kColmap whose views are the registered photos, and reports to `listener` which photos
 /// registered. Throws InputError when colmap is missing or fewer than two registered, naming those that failed and what
 /// to retake.
-Scene RegisterViews(const Scene& photos, const std::filesystem::path& work_dir, const Listener& listener);
+/// `find_features` is asked, where it is given, when features of SIFT leave photos out.
+Scene RegisterViews(const Scene& photos, const std::filesystem::path& work_dir, const Listener& listener,
+                    const FeatureFinder& find_features = {});
 
 /// Points triangulated from the given views only, with their poses held fixed (feature_extractor, exhaustive_matcher,
 /// point_triangulator). Images are read where they are; nothing is written beside them. Owns work_dir and writes

@@ -54,6 +54,8 @@ std::vector<MapperAttempt> RelaxedAttempts() {
 std::vector<FeatureSet> MakeSchedule() {
   FeatureSet usual{"usual features", {}, {}, RelaxedAttempts(), 1 << 30};
   usual.attempts.insert(usual.attempts.begin(), {"strict", Common(), 0});
+  FeatureSet learned{"learned features", {}, {}, RelaxedAttempts(), kMaxImagesForRetries};
+  learned.is_learned = true;
   const FeatureSet coarse{"coarse features",
                           {{"SiftExtraction.estimate_affine_shape", "1"},
                            {"SiftExtraction.peak_threshold", "0.003"},
@@ -84,7 +86,7 @@ std::vector<FeatureSet> MakeSchedule() {
                           RelaxedAttempts(),
                           6,
                           true};
-  return {usual, coarse, more, affine, pooled};
+  return {usual, learned, coarse, more, affine, pooled};
 }
 
 }  // namespace

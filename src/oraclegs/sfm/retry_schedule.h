@@ -27,6 +27,7 @@ struct FeatureSet {
   std::vector<MapperAttempt> attempts;
   int max_images = 0;       ///< too slow for more images than this
   bool needs_link = false;  ///< useless where no links make a model (LinksMakeAModel)
+  bool is_learned = false;  ///< the first set's features and a network's
 };
 
 /// Signs in the matches so far that images which are not registered can be.
@@ -46,9 +47,9 @@ inline constexpr int kMinFeaturesToMatch = 30;   ///< an image with fewer cannot
 inline constexpr int kMaxPairsToRematch = 150;   ///< matched again with known intrinsics, about a second each
 
 /// Cheap before expensive, strict before relaxed: colmap's own thresholds; relaxed ones; an initial pair of small angle
-/// or forward motion, also with a wide-angle lens; affine features of small images, which say whether anything links
-/// the images at all; more and weaker features; affine ones; and, slowest, pooled ones.
-/// The thresholds are from trials on 3 to 12 images of a scene; the first set is the only one for many.
+/// or forward motion, also with a wide-angle lens; a network's features, where there is one; affine features of small
+/// images, which say whether anything links the images at all; more and weaker features; affine ones; and, slowest,
+/// pooled ones. The thresholds are from trials on 3 to 12 images of a scene; the first set is the only one for many.
 const std::vector<FeatureSet>& RegistrationSchedule();
 
 /// Thresholds for registering the remaining images into an existing model.

@@ -1,7 +1,15 @@
 #include "oraclegs/stages/stage_works.h"
 
+#include <algorithm>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/networks/loader.h"
+#include "oraclegs/settings/device.h"
 #include "oraclegs/sfm/register_views.h"
 #include "oraclegs/stages/stage_seconds.h"
 #include "oraclegs/stages/vggt_registration.h"
@@ -25,11 +33,60 @@ void UndoRegister(Run* run, const nlohmann::json& record) {
   std::filesystem::remove_all(run->workspace.sfm(), ignored);
 }
 
+/// ALIKED, loaded when it is asked for: the photos of most runs register without it.
+FeatureFinder LearnedFeaturesOf(const Plan& plan, const Listener& listener) {
+  if (plan.keypoints.empty()) return {};
+  return [&, network = std::shared_ptr<const KeypointNetwork>()](const ImageF& rgb) mutable {
+    if (!network) {
+      const Networks& networks = GetNetworks();
+      network = networks.LoadKeypoints(plan.keypoints, DeviceOfNetworks(networks, plan.device, listener));
+    }
+    ImageFeatures found = network->Find(rgb, KeypointOptions());
+    return LearnedFeatures{std::move(found.keypoints), std::move(found.descriptors)};
+  };
+}
+
+/// True when matches would place a photo that has no camera.
+bool LacksMatches(const std::filesystem::path& report) {
+  static const std::set<std::string> kStatuses = {"no_matches", "few_matches", "elsewhere", "does_not_fit"};
+  try {
+    const nlohmann::json json = ReadRunJson(report);
+    const nlohmann::json& views = json.at("views");
+    return std::any_of(views.begin(), views.end(),
+                       [](const nlohmann::json& view) { return kStatuses.count(view.at("status")) > 0; });
+  } catch (const std::exception&) {
+    return false;  // there is none yet, or it is damaged
+  }
+}
+
+/// Advice where photos stay out; empty where it was tried, cannot be, or would not help.
+std::string AdviceToLearn(const Run& run) {
+  if (!run.plan.keypoints.empty() || !HasNetworksLibrary()) return "";
+  if (!LacksMatches(run.workspace.sfm() / "registration.json")) return "";
+  return fmt::format(
+      "features of a network may join them: `oraclegs models fetch {} --accept-license`, then the same "
+      "command with --overwrite",
+      kKeypointModel);
+}
+
+void RegisterWithColmap(Run* run) {
+  try {
+    run->scene =
+        RegisterViews(run->scene, run->workspace.sfm(), run->listener, LearnedFeaturesOf(run->plan, run->listener));
+  } catch (const InputError& failure) {
+    const std::string advice = AdviceToLearn(*run);
+    if (advice.empty()) throw;
+    throw InputError("{}; {}", failure.what(), advice);
+  }
+  if (const std::string advice = AdviceToLearn(*run); !advice.empty()) {
+    run->listener(Note{"photos are not registered: " + advice});
+  }
+}
+
 /// Finds poses, or reads those that stand.
 void Register(Run* run) {
-  const std::filesystem::path& dir = run->workspace.sfm();
-  run->scene = run->plan.poses ? RegisterWithVggt(run->scene, *run->plan.poses, dir, run->listener, run->plan.device)
-                               : RegisterViews(run->scene, dir, run->listener);
+  if (!run->plan.poses) return RegisterWithColmap(run);
+  run->scene = RegisterWithVggt(run->scene, *run->plan.poses, run->workspace.sfm(), run->listener, run->plan.device);
 }
 
 std::optional<nlohmann::json> MakeRegister(Run* run, const std::string&) {

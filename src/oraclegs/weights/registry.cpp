@@ -10,6 +10,9 @@ const std::string kLpips =
     "https://raw.githubusercontent.com/richzhang/PerceptualSimilarity/082bb24f84c091ea94de2867d34c4544f68e0963/lpips/"
     "weights/v0.1/";
 
+const std::string kAliked =
+    "https://raw.githubusercontent.com/Shiaoming/ALIKED/683d7c65197395c0b3f01ebe76e1084a27e73a65/models/";
+
 std::string PageOnHub(const std::string& repository) { return fmt::format("{}{}", kHuggingFace, repository); }
 
 /// A file as it was at one revision, which never changes: "OWNER/NAME", "REVISION", "PATH".
@@ -94,6 +97,18 @@ std::vector<WeightsInfo> LpipsModels() {
                      {kLpips + "alex.pth", "df73285e35b22355a2df87cdb6b70b343713b667eddbda73e1977e0c860835c0", 6'009})};
 }
 
+std::vector<WeightsInfo> KeypointModels() {
+  WeightsInfo aliked;
+  aliked.name = aliked.parameters = "aliked-n16";
+  aliked.purpose = "keypoints and descriptors of photos (ALIKED)";
+  aliked.license = "BSD-3-Clause";
+  aliked.license_page = "https://github.com/Shiaoming/ALIKED/blob/main/LICENSE";
+  aliked.files = {
+      {kAliked + "aliked-n16.pth", "5be8704840ed662d9d8c561bf7279c222092674e7eb05fd0feab94899e9d82f2", 2'738'091}};
+  aliked.download_bytes = 2'738'091;
+  return {aliked};
+}
+
 std::vector<WeightsInfo> GeneratorModels() {
   WeightsInfo seva;
   seva.name = seva.parameters = "seva";
@@ -142,7 +157,7 @@ std::vector<WeightsInfo> GeneratorModels() {
 const std::vector<WeightsInfo>& AllWeights() {
   static const std::vector<WeightsInfo> kModels = [] {
     std::vector<WeightsInfo> all;
-    for (const auto& group : {DepthModels(), VggtModels(), LpipsModels(), GeneratorModels()}) {
+    for (const auto& group : {DepthModels(), VggtModels(), LpipsModels(), KeypointModels(), GeneratorModels()}) {
       all.insert(all.end(), group.begin(), group.end());
     }
     return all;

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include "oraclegs/networks/aliked/aliked.h"
 #include "oraclegs/networks/depth_anything/depth_anything.h"
 #include "oraclegs/networks/lpips/lpips.h"
 #include "oraclegs/networks/vggt/vggt.h"
@@ -44,6 +45,12 @@ TEST(ModelLists, Lpips) {
     LoadLpips(listed, PublishedFeatures(network));
     EXPECT_EQ(Required(list), listed.shapes()) << list;
   }
+}
+
+TEST(ModelLists, Aliked) {
+  ListedParameters listed;
+  aliked::LoadAliked(listed, aliked::AlikedConfig());
+  EXPECT_EQ(Required("aliked-n16"), listed.shapes());
 }
 
 }  // namespace

@@ -167,7 +167,7 @@ TEST(OpenClip, SameBitsForAnyNumberOfThreads) {
 TEST(OpenClip, NamesAndShapesAreThoseOfThePublishedNetwork) {
   ListedParameters parameters;
   LoadOpenClip(ParameterScope(parameters) / "visual", OpenClipConfig());
-  const auto expected = ParameterList("openclip_vith14_visual_params.tsv");
+  const auto expected = GoldenParameterList("openclip_vith14_visual_params.tsv");
   ASSERT_EQ(expected.size(), 392u);
   EXPECT_EQ(parameters.shapes(), expected);
 }

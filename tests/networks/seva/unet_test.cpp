@@ -88,7 +88,7 @@ TEST(SevaUnet, SameBitsForAnyNumberOfThreads) {
 TEST(SevaUnet, NamesAndShapesAreThoseOfThePublishedNetwork) {
   ListedParameters parameters;
   LoadUnet(parameters, UnetConfig());
-  const auto expected = ParameterList("seva_unet_params.tsv");
+  const auto expected = GoldenParameterList("seva_unet_params.tsv");
   ASSERT_EQ(expected.size(), 1146u);
   EXPECT_EQ(parameters.shapes(), expected);
 }

@@ -66,7 +66,7 @@ TEST(Vae, AnImageDoesNotDependOnItsBatch) {
 TEST(Vae, NamesAndShapesAreThoseOfThePublishedNetwork) {
   ListedParameters parameters;
   const Vae vae = LoadVae(parameters, VaeConfig());
-  const auto expected = ParameterList("sd21_vae_params.tsv");
+  const auto expected = GoldenParameterList("sd21_vae_params.tsv");
   ASSERT_EQ(expected.size(), 248u);
   EXPECT_EQ(parameters.shapes(), expected);
   EXPECT_EQ(vae.config.downscale(), 8);

@@ -43,7 +43,7 @@ TEST(Vggt, SameBitsForAnyNumberOfThreads) {
 TEST(Vggt, NamesAndShapesAreThoseOfThePublishedNetwork) {
   ListedParameters parameters;
   LoadVggt(parameters, Config(), {true, true});
-  auto expected = ParameterList("vggt_params.tsv", "track_head.");
+  auto expected = GoldenParameterList("vggt_params.tsv", "track_head.");
   std::erase_if(expected, [](const auto& tensor) { return tensor.first.starts_with("point_head."); });
   ASSERT_EQ(expected.size(), 1797u - 394u - 62u);
   EXPECT_EQ(parameters.shapes(), expected);

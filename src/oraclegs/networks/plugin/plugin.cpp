@@ -4,6 +4,7 @@
 #include <torch/cuda.h>
 
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/networks/aliked/aliked.h"
 #include "oraclegs/networks/build_id.h"
 #include "oraclegs/networks/common/tensor.h"
 #include "oraclegs/networks/depth_anything/depth_anything.h"
@@ -36,6 +37,11 @@ class TorchNetworks : public Networks {
   std::unique_ptr<DepthNetwork> LoadDepth(const std::filesystem::path& weights, Device device) const override {
     UseOurThreads();
     return LoadDepthNetwork(weights, ToTorch(device));
+  }
+
+  std::unique_ptr<KeypointNetwork> LoadKeypoints(const std::filesystem::path& weights, Device device) const override {
+    UseOurThreads();
+    return aliked::LoadKeypointNetwork(weights, ToTorch(device));
   }
 
   std::unique_ptr<PerceptualNetwork> LoadPerceptual(const std::vector<std::filesystem::path>& weights, Device device,
