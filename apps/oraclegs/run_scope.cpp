@@ -41,7 +41,7 @@ std::map<std::string_view, RunScope> AllScopes() {
   scopes["reconstruct"] = scopes["train"] = scopes["ablate"] = {{}, {}, of_run};
   scopes["train"].without_groups = {"Report"};
   scopes["ablate"].without_groups = {"Report", "Checkpoints"};
-  scopes["ablate"].basic = {"quality", "preset", "views", "iterations", "device", "seed"};  // beside its own
+  scopes["ablate"].basic = {"preset", "views", "iterations", "seed"};  // beside its own
   // --views is a list of the command's own.
   scopes["bench"] = {{"Split", "Checkpoints", "Report"},
                      {"eval", "test-every", "view-steps", "train-views", "test-views"},

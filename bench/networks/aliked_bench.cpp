@@ -11,7 +11,7 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/networks/aliked/aliked.h"
-#include "oraclegs/networks/common/tensor_buffer.h"
+#include "oraclegs/networks/common/tensor.h"
 
 int main(int argc, char** argv) {
   using namespace oraclegs;

@@ -68,6 +68,9 @@ class FakeNetworks : public Networks {
   explicit FakeNetworks(bool cuda) : cuda_(cuda) {}
   bool has_cuda() const override { return cuda_; }
   std::unique_ptr<DepthNetwork> LoadDepth(const std::filesystem::path&, Device) const override { return nullptr; }
+  std::unique_ptr<KeypointNetwork> LoadKeypoints(const std::filesystem::path&, Device) const override {
+    return nullptr;
+  }
   std::unique_ptr<PerceptualNetwork> LoadPerceptual(const std::vector<std::filesystem::path>&, Device,
                                                     int64_t) const override {
     return nullptr;

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/depth/gather_image.h"
+#include "oraclegs/depth/patch_cost.h"
 
 namespace oraclegs {
 namespace {

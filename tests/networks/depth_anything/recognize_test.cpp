@@ -6,7 +6,7 @@
 
 #include "networks/fixtures.h"
 #include "networks/network_files.h"
-#include "oraclegs/networks/common/tensor_buffer.h"
+#include "oraclegs/networks/common/tensor.h"
 #include "support/temp_dir.h"
 
 namespace oraclegs {

@@ -5,7 +5,7 @@
 #include <span>
 #include <utility>
 
-#include "oraclegs/networks/common/tensor_buffer.h"
+#include "oraclegs/networks/common/tensor.h"
 
 namespace oraclegs::aliked {
 namespace {
