@@ -63,6 +63,7 @@ class Ablator {
     CheckOptions(request.options);
     CheckRunOptions(request.run.options);
     RequireAblatable(request.run.options);
+    if (!request.options.dry_run) RequireNetworksOfRows(request.run.options);
     if (!request.options.shares.empty()) throw UsageError("--shares goes with --compare tampering; leave it out");
     RequireOutsideScene(request.run.out, request.run.scene);
     RequireSeriesFolder(request.run.out, {"ablation", kJson, {kRows, kJson, kMarkdown}});
@@ -113,7 +114,7 @@ class Ablator {
     json before = ShapingOptionsToJson(asked);
     for (const size_t row : ChooseRows(request_.options.rows)) {
       const AblationRow& part = AblationRows()[row];
-      if (part.name == kLpipsRow && FindLpips(asked.weights).empty()) {
+      if (part.name == kLpipsRow && !request_.options.dry_run && FindLpips(asked.weights).empty()) {
         if (!request_.options.rows.empty()) {
           throw InputError("--rows names {}, which needs the weights of LPIPS; {}, or name a file with --lpips-weights",
                            kLpipsRow, HowToFetch(kLpipsModel));

@@ -145,9 +145,9 @@ void RequireAblatable(const RunOptions& asked) {
     throw UsageError("--init {} is what the first rows start from by themselves; leave it out, or give another",
                      Word(init.value()));
   }
-  // The first rows ask no network, and would train before the first that does is refused.
-  MakePlan(WithNetworksAtHand(asked, true, Silent()), true);
 }
+
+void RequireNetworksOfRows(const RunOptions& asked) { MakePlan(WithNetworksAtHand(asked, true, Silent()), true); }
 
 std::vector<PublishedStep> PublishedSteps(int views) {
   if (views == 12) {

@@ -30,9 +30,12 @@ RunOptions RowOptions(size_t row, const RunOptions& asked);
 /// "". Throws UsageError that lists the rows.
 std::vector<size_t> ChooseRows(const std::string& words);
 
-/// Throws UsageError when `asked` has no proposals or fixes the start, on which several rows depend; and what
-/// WithNetworksAtHand and MakePlan throw of networks that only later rows ask.
+/// Throws UsageError when `asked` has no proposals or fixes the start, on which several rows depend.
 void RequireAblatable(const RunOptions& asked);
+
+/// Throws what WithNetworksAtHand and MakePlan throw of networks that `asked` needs: the first rows ask none, and would
+/// train before the first row that does is refused.
+void RequireNetworksOfRows(const RunOptions& asked);
 
 /// Row of the ablation on Mip-NeRF 360 ([Topaloglu 2026], table 3): means over its scenes.
 struct PublishedStep {
