@@ -198,7 +198,8 @@ TEST(RequireAblatable, RefusesOptionsThatContradictTheRows) {
   }
   RunOptions generated;
   generated.propose.proposers = std::string("seva");
-  EXPECT_THAT(MessageOf<InputError>([&] { RequireNetworksOfRows(generated); }), HasSubstr("oraclegs models fetch seva"));
+  EXPECT_THAT(MessageOf<InputError>([&] { RequireNetworksOfRows(generated); }),
+              HasSubstr("oraclegs models fetch seva"));
 }
 
 TEST(PublishedSteps, HasEachNumberOfTheTableAsPrinted) {
