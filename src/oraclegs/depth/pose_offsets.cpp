@@ -27,7 +27,7 @@ constexpr size_t kMinViewCells = 4;     // fewer say nothing of their view
 /// something else is there.
 std::optional<Reprojection> Shown(const OffsetPixel& pixel, const Camera& view, const Camera& source,
                                   const DepthMap& map) {
-  const auto seen = Reproject(view, source, {pixel.u, pixel.v, pixel.inv_depth});
+  auto seen = Reproject(view, source, {pixel.u, pixel.v, pixel.inv_depth});
   if (!seen || !(seen->at.x() >= 0 && seen->at.y() >= 0 && seen->at.x() < source.width && seen->at.y() < source.height))
     return std::nullopt;
   const size_t index =

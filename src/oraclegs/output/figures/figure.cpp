@@ -161,7 +161,7 @@ std::string ViewToShow(std::vector<TestView> views, const std::string& show) {
   for (const std::string& word : SplitTrimmed(show, ',')) {
     const std::string name = FileName(word);
     for (const TestView& view : views) {
-      if (view.name == name) return name;
+      if (view.name == name) return view.name;
     }
   }
   std::stable_sort(views.begin(), views.end(),
