@@ -64,7 +64,15 @@ class BenchCommand : public Command {
           fmt::format("table      {}", (request.out / "bench.md").string()));
   }
 
-  void TakePreset(const std::string& name) override { preset_ = PresetArguments(name); }
+  void TakePreset(const std::string& name) override {
+    if (name == "paper") {
+      throw UsageError(
+          "--preset paper is for scenes of no dataset; --methods paper has the paper's settings for each suite and "
+          "number "
+          "of views");
+    }
+    preset_ = PresetArguments(name);
+  }
 
   /// The options of runs that the command line or a file has set, whose seeds are the benchmark's own.
   RunArguments Asked() {

@@ -12,7 +12,7 @@ struct SweepOptions {
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("each-layer", self.each_layer,
-          "Instead measure how well the attention of each layer of VGGT by itself tells where proposals are wrong, on "
+          "Instead measure how well the attention of each layer of VGGT alone predicts where proposals are wrong, on "
           "images taken from their poses that neither train nor test");
   }
 };

@@ -10,7 +10,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kMost = 300;
+constexpr size_t kMaxOffsetPixels = 300;
 
 class PoseOffsetsTest : public testing::Test {
  protected:
@@ -47,8 +47,8 @@ class PoseOffsetsTest : public testing::Test {
 
 TEST_F(PoseOffsetsTest, AreSmallForTruePoses) {
   const OffsetMeter meter(views, maps);
-  const std::vector<OffsetPixel> pixels = meter.Choose(kMost);
-  EXPECT_EQ(pixels.size(), 4 * kMost);
+  const std::vector<OffsetPixel> pixels = meter.Choose(kMaxOffsetPixels);
+  EXPECT_EQ(pixels.size(), 4 * kMaxOffsetPixels);
   const std::vector<PatchOffset> offsets = meter.Measure(cameras, pixels);
   EXPECT_GT(offsets.size(), 2 * pixels.size());
   EXPECT_LT(MedianError(cameras, pixels, offsets), 0.05);
@@ -59,7 +59,7 @@ TEST_F(PoseOffsetsTest, AreSmallForTruePoses) {
 
 TEST_F(PoseOffsetsTest, FindPatchesPixelsAway) {
   const OffsetMeter meter(views, maps);
-  const std::vector<OffsetPixel> pixels = meter.Choose(kMost);
+  const std::vector<OffsetPixel> pixels = meter.Choose(kMaxOffsetPixels);
   const std::vector<Camera> wrong = Disturbed(cameras, 0.8, 0.02, 3);
   const std::vector<PatchOffset> offsets = meter.Measure(wrong, pixels);
   EXPECT_GT(offsets.size(), pixels.size());
@@ -69,7 +69,7 @@ TEST_F(PoseOffsetsTest, FindPatchesPixelsAway) {
 
 TEST_F(PoseOffsetsTest, AreDepthAlongTheEpipolarLine) {
   const OffsetMeter meter(views, maps);
-  std::vector<OffsetPixel> pixels = meter.Choose(kMost);
+  std::vector<OffsetPixel> pixels = meter.Choose(kMaxOffsetPixels);
   for (OffsetPixel& pixel : pixels) pixel.inv_depth *= 1.02;
   const std::vector<PatchOffset> offsets = meter.Measure(cameras, pixels);
   std::vector<double> lengths;
@@ -81,7 +81,7 @@ TEST_F(PoseOffsetsTest, AreDepthAlongTheEpipolarLine) {
 TEST_F(PoseOffsetsTest, DoNotDependOnExposure) {
   for (float& value : views[1].rgb.data) value = 0.1f + 0.5f * value;
   const OffsetMeter meter(views, maps);
-  const std::vector<OffsetPixel> pixels = meter.Choose(kMost);
+  const std::vector<OffsetPixel> pixels = meter.Choose(kMaxOffsetPixels);
   const std::vector<PatchOffset> offsets = meter.Measure(cameras, pixels);
   EXPECT_LT(ResidualAcross(pixels, offsets, cameras).views[1], 0.06);
 }
@@ -92,18 +92,18 @@ TEST_F(PoseOffsetsTest, NeedTextureInTwoDirections) {
       for (int i = 0; i < 3 * view.rgb.width; ++i) view.rgb.row(y)[i] = view.rgb.row(0)[i];  // stripes
     }
   }
-  EXPECT_TRUE(OffsetMeter(views, maps).Choose(kMost).empty());
+  EXPECT_TRUE(OffsetMeter(views, maps).Choose(kMaxOffsetPixels).empty());
 }
 
 TEST_F(PoseOffsetsTest, NeedConfidentDepthOnASurface) {
   for (float& confidence : maps[0].confidence) confidence = 0.4f;
   for (size_t i = 0; i < maps[1].size(); ++i) maps[1].inv_depth[i] *= i % 2 == 0 ? 1.f : 1.2f;
-  for (const OffsetPixel& pixel : OffsetMeter(views, maps).Choose(kMost)) EXPECT_GE(pixel.view, 2);
+  for (const OffsetPixel& pixel : OffsetMeter(views, maps).Choose(kMaxOffsetPixels)) EXPECT_GE(pixel.view, 2);
 }
 
 TEST_F(PoseOffsetsTest, LeaveOutWhatTheSourceViewDoesNotShow) {
   const OffsetMeter all(views, maps);
-  const std::vector<OffsetPixel> pixels = all.Choose(kMost);
+  const std::vector<OffsetPixel> pixels = all.Choose(kMaxOffsetPixels);
   for (float& inv_depth : maps[1].inv_depth) inv_depth *= 2;  // something nearer
   const OffsetMeter meter(views, maps);
   for (const PatchOffset& offset : meter.Measure(cameras, pixels)) {
@@ -115,7 +115,7 @@ TEST_F(PoseOffsetsTest, LeaveOutWhatTheSourceViewDoesNotShow) {
 TEST_F(PoseOffsetsTest, AreNoneBetweenViewsFromOnePlace) {
   Take({cameras[0], cameras[0]});
   const OffsetMeter meter(views, maps);
-  EXPECT_TRUE(meter.Choose(kMost).empty());
+  EXPECT_TRUE(meter.Choose(kMaxOffsetPixels).empty());
   EXPECT_EQ(ResidualAcross({}, {}, cameras).all, 0);
   EXPECT_EQ(ResidualAcross({}, {}, cameras).views, std::vector<double>({0, 0}));
   EXPECT_EQ(ResidualAcross({}, {}, cameras).cells, 0u);
@@ -126,7 +126,7 @@ TEST_F(PoseOffsetsTest, HaveTheSameBitsForAnyNumberOfThreads) {
   for (const int threads : {1, 3}) {
     SetNumThreads(threads);
     const OffsetMeter meter(views, maps);
-    offsets[threads / 2] = meter.Measure(Disturbed(cameras, 0.3, 0.01, 1), meter.Choose(kMost));
+    offsets[threads / 2] = meter.Measure(Disturbed(cameras, 0.3, 0.01, 1), meter.Choose(kMaxOffsetPixels));
   }
   ASSERT_EQ(offsets[0].size(), offsets[1].size());
   for (size_t k = 0; k < offsets[0].size(); ++k) {

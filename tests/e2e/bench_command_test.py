@@ -122,6 +122,7 @@ class PaperTables(EndToEnd):
                       names=["12 and 24 views, not of 16"])  # fmt: skip
         self.error_of(*bench, "--preset", "paper-mipnerf360-12", "--views", "12,24", "-o", self.dir / "never", "--dry-run",
                       code=2, names=["--views names 24", "--preset"])  # fmt: skip
+        self.error_of(*bench, "--preset", "paper", "-o", self.dir / "never", "--dry-run", code=2, names=["--methods paper"])
         commands, _ = self.commands(*bench, "--preset", "paper-mipnerf360-12", "--methods", "ours,3dgs")
         self.assertEqual(["horizon=30000" in words for words in commands], [True, False] * 2)
 

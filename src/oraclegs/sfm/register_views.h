@@ -1,5 +1,5 @@
 #pragma once
-// What the colmap program finds, run as a child process: poses for photos without any, and points of views whose poses
+// The colmap program, run as a child process, finds poses for photos without any, and points of views whose poses
 // are known.
 
 #include <filesystem>

@@ -148,7 +148,7 @@ struct Stage {
 /// The row of this name. Throws RunError where there is none.
 const Stage& StageNamed(const std::vector<Stage>& stages, const std::string& name);
 
-// What caching needs, once for all stages: key, skip, undo, run, time, record.
+// Caching, once for all stages: key, skip, undo, run, time, record.
 
 /// SHA-256 of name, version, own options and inputs, and of the keys of the stages it needs; "" for a stage that the
 /// run does not want.

@@ -119,7 +119,7 @@ std::vector<TestView> TestViewsOf(const fs::path& workspace) {
 
 constexpr const char* kBenchReport = "bench.json";
 
-/// A run of a benchmark as its report tells of it.
+/// A run of a benchmark, from the report.
 struct SuiteRun {
   std::string method, workspace, failure;
   int64_t seed = 0;
