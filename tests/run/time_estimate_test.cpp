@@ -9,7 +9,7 @@ namespace {
 
 class EstimateTest : public testing::Test {
  protected:
-  EstimateInput Input(const RunOptions& options) const { return {options, scene, 14, 2, 0, 1}; }
+  EstimateInput Input(const RunOptions& options) const { return {options, scene, 14, 2, 0, 1, false}; }
 
   SceneSize scene{12, {4000, 3000}};
   RunOptions options = WithSize({}, scene, false);

@@ -9,7 +9,7 @@ class StageSeconds : public testing::Test {
  protected:
   SceneSize scene{12, {4000, 3000}};
   RunOptions options = WithSize({}, scene, false);
-  EstimateInput input{options, scene, 14, 2, 0, 1};
+  EstimateInput input{options, scene, 14, 2, 0, 1, false};
 };
 
 TEST_F(StageSeconds, CountPixels) {

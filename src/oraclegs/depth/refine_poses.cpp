@@ -22,14 +22,13 @@ double Total(const AcrossResidual& residual) {
   return std::accumulate(residual.views.begin(), residual.views.end(), 0.0);
 }
 
-bool MovedTooFar(const std::vector<CameraMovement>& movements) {
-  for (const CameraMovement& movement : movements) {
-    if (!(movement.degrees <= kMaxPoseDegrees && movement.share <= kMaxPoseShare)) return true;
-  }
-  return false;
-}
-
 }  // namespace
+
+bool IsBelieved(const std::vector<CameraMovement>& movements) {
+  return std::all_of(movements.begin(), movements.end(), [](const CameraMovement& movement) {
+    return movement.degrees <= kMaxPoseDegrees && movement.share <= kMaxPoseShare;
+  });
+}
 
 PoseRefinement RefinePoses(const std::vector<LoadedView>& views, const std::vector<DepthMap>& maps,
                            const PoseRefinementOptions& options) {
@@ -67,7 +66,7 @@ PoseRefinement RefinePoses(const std::vector<LoadedView>& views, const std::vect
     refinement.views[v].residual.after = after.views[v];
     refinement.views[v].movement = movements[v];
   }
-  if (after.cells < kMinCells || !(Total(after) < Total(before)) || MovedTooFar(movements)) {
+  if (after.cells < kMinCells || !(Total(after) < Total(before)) || !IsBelieved(movements)) {
     refinement.result = PoseRefinementResult::kUndone;
     return refinement;
   }

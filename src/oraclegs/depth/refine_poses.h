@@ -48,6 +48,9 @@ struct PoseRefinement {
 /// Largest movement of a camera that is believed, degrees and share of the scene extent.
 inline constexpr double kMaxPoseDegrees = 3, kMaxPoseShare = 0.03;
 
+/// True where no camera moved further.
+bool IsBelieved(const std::vector<CameraMovement>& movements);
+
 /// Refines the poses of the views. `maps` are their depth maps (EstimateDepth), made with the same cameras. The first
 /// camera and the length of the longest baseline stay; other cameras of the scene go along by Following. Depths are
 /// those of the given poses: where poses moved, stereo has to run again, and with its depths a second refinement (with

@@ -34,6 +34,7 @@ void AnnounceStages(Run* run) {
                             test,
                             all - train - test,
                             run->plan.device.is_cpu() ? CpuSlowness() : 0,
+                            run->plan.refines_poses,
                             run->scene.format == SceneFormat::kBlender ? kCoveredByObject : 1};
   RunPlanned planned;
   bool with_networks = false;

@@ -12,13 +12,14 @@ const std::vector<Stage>& Stages() {
   static const std::vector<Stage> stages = {
       {"register", 2, {}, RegisterStage()},
       {"sfm", 1, {"register"}, SfmStage()},
-      {"depth", 5, {"sfm"}, DepthStage()},
+      {"poses", 1, {"sfm"}, PosesStage()},
+      {"depth", 5, {"sfm", "poses"}, DepthStage()},
       {"proxies", 1, {"depth"}, ProxyStage()},
       {"propose", 2, {"depth", "proxies"}, ProposeStage()},
       {"validate", 4, {"propose"}, ValidateStage()},
       {"train", 1, {"sfm", "depth", "validate"}, TrainStage()},
-      {"evaluate", 1, {"train"}, EvaluateStage()},
-      {"report", 1, {"evaluate"}, ReportStage()},
+      {"evaluate", 1, {"poses", "train"}, EvaluateStage()},
+      {"report", 1, {"poses", "evaluate"}, ReportStage()},
   };
   return stages;
 }

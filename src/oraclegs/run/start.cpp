@@ -24,6 +24,7 @@
 #include "oraclegs/scene/read_scene.h"
 #include "oraclegs/settings/missing_networks.h"
 #include "oraclegs/settings/run_size.h"
+#include "oraclegs/stages/refined_poses.h"
 #include "oraclegs/stages/stage_works.h"
 #include "oraclegs/workspace/frame_file.h"
 #include "oraclegs/workspace/stage_records.h"
@@ -338,6 +339,7 @@ Run OpenRun(const RunRequest& asked, const Listener& listener) {
   LeaveOutUnreadablePhotos(&run);
   KeepNeededPhotos(&run, Silent());
   FindPosesAndSplit(&run, true);
+  UseRefinedPoses(&run);
   SaveSplit(run);
   return run;
 }

@@ -29,6 +29,13 @@ struct EnumWords<PoseSource> {
   static constexpr EnumWord<PoseSource> kWords[] = {{PoseSource::kColmap, "colmap"}, {PoseSource::kVggt, "vggt"}};
 };
 
+/// Whether poses are corrected by what the photos show.
+enum class PoseRefining { kOn, kOff };
+template <>
+struct EnumWords<PoseRefining> {
+  static constexpr EnumWord<PoseRefining> kWords[] = {{PoseRefining::kOn, "on"}, {PoseRefining::kOff, "off"}};
+};
+
 /// Source of the initial Gaussians.
 enum class StartKind { kDense, kSfm, kRandom, kRandomCube, kHybrid };
 template <>
@@ -68,6 +75,7 @@ struct InputOptions {
   std::filesystem::path images;  ///< empty = the format's usual folder
   bool allow_outside = false;    ///< allows images outside the scene's folder
   PoseSource poses = PoseSource::kColmap;
+  Auto<PoseRefining> refine_poses;
   FrameKind frame = FrameKind::kNormal;
 
   template <class Self, class V>
@@ -78,6 +86,9 @@ struct InputOptions {
     visit("poses", self.poses,
           "What finds the cameras of photos without poses: colmap = structure from motion; vggt = the network, in one "
           "pass, also from photos that share too little for colmap");
+    visit("refine-poses", self.refine_poses,
+          "Correct the poses of the photos by what dense stereo sees: patches that lie beside their epipolar lines. on; "
+          "off; auto = where a photo's patches lie more than a quarter of a pixel beside");
     visit(
         "frame", self.frame,
         "What a scene with poses is trained in: normal = moved and scaled so that the result does not depend on the "

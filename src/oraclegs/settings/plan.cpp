@@ -52,6 +52,17 @@ void RequireGpuForLargeNetworks(const RunOptions& options, Plan* plan) {
   plan->oracle = {OracleKind::kConsistency, {}, of_vggt};
 }
 
+/// Whether stage "poses" runs. Methods of other papers get the poses as they are. Throws UsageError where they shall be
+/// refined without stereo.
+bool RefinesPoses(const RunOptions& options, const Plan& plan) {
+  const Auto<PoseRefining>& asked = options.input.refine_poses;
+  const bool has_stereo = plan.needs_depth && plan.depth.prior != DepthPrior::kMonocular;
+  if (asked == PoseRefining::kOn && !has_stereo) {
+    throw UsageError("--refine-poses on: needs depth from stereo, which these options leave out; leave it out, too");
+  }
+  return has_stereo && asked != PoseRefining::kOff && options.method.method.empty();
+}
+
 }  // namespace
 
 bool ProposesViews(const RunOptions& options) {
@@ -115,6 +126,7 @@ Plan MakePlan(const RunOptions& options, bool has_poses) {
   plan.proposes = ProposesViews(options);
   plan.has_proposals = HasProposals(options);
   if (plan.needs_depth) plan.depth = ChooseDepthSource(options);
+  plan.refines_poses = RefinesPoses(options, plan);
   if (plan.has_proposals) plan.oracle = ChooseOracle(options);
   if (!has_poses && options.input.poses == PoseSource::kVggt) {
     plan.poses = RequireVggtWeights(options.weights.vggt_weights, "--poses vggt");

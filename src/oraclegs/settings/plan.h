@@ -52,6 +52,7 @@ struct Plan {
   bool proposes = false;                     ///< the run makes proposals itself
   bool has_proposals = false;                ///< the run proposes, or a folder has proposals
   DepthSource depth = {};                    ///< valid when needs_depth
+  bool refines_poses = false;                ///< stage "poses" runs: it corrects poses where that is needed
   OracleChoice oracle = {};                  ///< valid when has_proposals
   std::optional<VggtWeights> poses = {};     ///< set for --poses vggt when poses are to be found; unset = colmap
   std::filesystem::path keypoints = {};      ///< weights of ALIKED, for colmap's poses; empty = SIFT alone

@@ -3,18 +3,18 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "oraclegs/core/text.h"
 #include "oraclegs/depth/depth_files.h"
 #include "oraclegs/depth/fusion.h"
 #include "oraclegs/depth/gains.h"
 #include "oraclegs/depth/overlap.h"
-#include "oraclegs/depth/plane_search.h"
-#include "oraclegs/depth/stereo.h"
 #include "oraclegs/networks/networks.h"
 #include "oraclegs/scene/frame_comments.h"
 #include "oraclegs/stages/monocular_depth.h"
 #include "oraclegs/stages/stage_seconds.h"
+#include "oraclegs/stages/stereo_of_run.h"
 #include "oraclegs/workspace/non_commercial.h"
 
 namespace oraclegs {
@@ -36,26 +36,12 @@ bool IsWhole(const Run& run) {
 /// found is right in the same measure, if not in the same bits. The stage's record says which one it was.
 void AddDepthKey(Run* run, Fingerprint* key) {
   const DepthSource& source = run->plan.depth;
-  key->Add(ViewsFingerprint(run->scene, run->split.train, run->plan.image, &run->files));
+  key->Add(ViewsKey(run, run->split.train, run->plan.image));
   key->Add(OptionsToJson(run->options.image).dump()).Add(OptionsToJson(run->options.stereo).dump());
   if (source.HasNetwork()) {
     key->Add(kMonocularVersion).Add(Word(source.prior)).Add(run->files.Of(source.weights));
     if (IsWhole(*run)) key->Add("whole");
   }
-}
-
-/// Points whose views are indices of the training views.
-std::vector<ScenePoint> SeenByTrainingViews(const Run& run) {
-  std::vector<ScenePoint> points = run.results->points;
-  for (ScenePoint& point : points) {
-    std::vector<int> views;
-    for (const int view : point.views) {
-      const auto found = std::find(run.split.train.begin(), run.split.train.end(), view);
-      if (found != run.split.train.end()) views.push_back(static_cast<int>(found - run.split.train.begin()));
-    }
-    point.views = std::move(views);
-  }
-  return points;
 }
 
 std::vector<DepthMap> ReadBack(const Run& run, const std::vector<LoadedView>& views) {
@@ -93,22 +79,21 @@ void FitToViews(const std::vector<LoadedView>& views, std::vector<RelativeDepth>
 }
 
 /// The maps as they will be written, and how often the network was right.
-MonocularMaps FindDepth(const Run& run, const TrainingViews& training) {
+MonocularMaps FindDepth(Run* run_, const TrainingViews& training) {
+  const Run& run = *run_;
   const DepthSource& source = run.plan.depth;
   const std::vector<LoadedView>& views = training.views;
-  const std::vector<ScenePoint> seen = SeenByTrainingViews(run);
   std::vector<RelativeDepth> predicted;  // first: a damaged file is reported at once
   if (source.HasNetwork()) {
     const auto larger = LargerViews(run, kDepthNetworkSide);
     predicted = PredictRelativeDepth(source.weights, larger ? *larger : views, run.listener, run.plan.device);
     if (larger) FitToViews(views, &predicted);
   }
-  std::vector<DepthMap> maps;
-  if (source.prior != DepthPrior::kMonocular) {
-    maps = EstimateDepth(views, seen, run.options.stereo, MakePlaneSearch(run.plan.device).get(), run.listener);
-  }
+  std::vector<DepthMap> maps = std::exchange(run_->results->stereo, {});
+  if (source.prior != DepthPrior::kMonocular && maps.empty()) maps = StereoOf(run, views, "depth");
   if (!source.HasNetwork()) return {std::move(maps), 0};
-  return WithMonocularDepth({predicted, IsWhole(run)}, views, std::move(maps), seen, run.listener);
+  return WithMonocularDepth({predicted, IsWhole(run)}, views, std::move(maps), SeenByTrainingViews(run),
+                             run.listener);
 }
 
 double MeanConfidentShare(const std::vector<DepthMap>& maps) {
@@ -142,7 +127,7 @@ void UndoDepth(Run* run, const nlohmann::json&) {
 std::optional<nlohmann::json> MakeDepth(Run* run, const std::string&) {
   const DepthSource& source = run->plan.depth;
   const TrainingViews& training = ViewsOf(run);
-  MonocularMaps found = FindDepth(*run, training);
+  MonocularMaps found = FindDepth(run, training);
   std::vector<std::string> files = WriteDepthMaps(run->workspace.depth(), found.maps, WrittenFromRun(run->frame).scale);
   for (std::string& file : files) file = "depth/" + file;
   found.maps = {};  // they are read back
@@ -221,8 +206,8 @@ StageWork DepthStage() {
               },
           .seconds =
               [](const EstimateInput& input) {
-                constexpr double kStereoOfPixel = 17e-6, kStereo = 0.5;
-                return kStereo + kStereoOfPixel * CoveredPixels(input) * input.scene.views;
+                constexpr double kFusion = 0.5;  // with the maps' files
+                return kFusion + (input.refines_poses ? 0 : SecondsOfStereo(input));
               },
           .uses_network = [](const Run& run) { return run.plan.needs_depth && run.plan.depth.HasNetwork(); }};
 }

@@ -26,7 +26,7 @@ const std::vector<int>& ScoredViews(const Split& split) { return split.test.empt
 
 void AddEvaluateKey(Run* run, Fingerprint* key) {
   key->Add(run->files.OfAll(run->plan.lpips)).Add(ShapingOptionsToJson(run->options).dump());
-  key->Add(ViewsFingerprint(run->scene, ScoredViews(run->split), run->plan.image, &run->files));
+  key->Add(ViewsKey(run, ScoredViews(run->split), run->plan.image));
   std::error_code ignored;
   if (fs::exists(run->workspace.point_cloud(), ignored)) key->AddFile(run->workspace.point_cloud());
 }

@@ -57,7 +57,7 @@ void AddProposeKey(Run* run, Fingerprint* key) {
     if (row.own != nullptr && Asks(*run, row)) row.own(*run, key);
   }
   key->Add(OptionsToJson(options.image).dump());
-  key->Add(ViewsFingerprint(run->scene, run->split.train, run->plan.image, &run->files));
+  key->Add(ViewsKey(run, run->split.train, run->plan.image));
   AddPoses(*run, key);
   if (options.propose.proposal_folder.empty()) return;
   for (const fs::path& file : FolderFiles(options.propose.proposal_folder)) key->Add(file.string()).AddFile(file);

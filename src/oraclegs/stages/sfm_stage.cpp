@@ -19,14 +19,14 @@ bool IsWanted(const Run& run) {
 /// Whether the scene's own points serve. Where views are held out, or lack their images, they do not: those views
 /// helped to place them.
 bool TakesModel(const Run& run) {
-  const bool all_train = run.split.train.size() == run.scene.views.size() && run.scene.missing_images.empty();
-  return SettleSfmPoints(run.options.start, all_train) == SfmPoints::kModel && !run.scene.points.empty();
+  const bool all_train = run.split.train.size() == run.Given().views.size() && run.Given().missing_images.empty();
+  return SettleSfmPoints(run.options.start, all_train) == SfmPoints::kModel && !run.Given().points.empty();
 }
 
 void AddSfmKey(Run* run, Fingerprint* key) {
-  key->Add(ViewsFingerprint(run->scene, run->split.train, ImageOptions(), &run->files));
+  key->Add(ViewsKey(run, run->split.train, ImageOptions()));
   if (!TakesModel(*run)) return;
-  for (const ScenePoint& p : run->scene.points) key->Add(p.xyz.x()).Add(p.xyz.y()).Add(p.xyz.z());
+  for (const ScenePoint& p : run->Given().points) key->Add(p.xyz.x()).Add(p.xyz.y()).Add(p.xyz.z());
 }
 
 /// Sparse points, and where colmap left matches between the training photos.
@@ -38,14 +38,14 @@ struct FoundPoints {
 FoundPoints PointsOfTrainingViews(const Run& run) {
   std::vector<ScenePoint> points;
   if (TakesModel(run)) {
-    points = PointsSeenBy(run.scene, run.split.train);
+    points = PointsSeenBy(run.Given(), run.split.train);
     if (points.size() >= kMinSparseStart) return {std::move(points), run.workspace.sfm() / "pose_check"};
     run.listener(Note{fmt::format("{} of the model's {} points were seen by two training views; triangulating anew",
-                                  points.size(), run.scene.points.size())});
+                                  points.size(), run.Given().points.size())});
   }
   // For images without poses sfm/ itself holds the registration.
   const auto dir = run.photos.empty() ? run.workspace.sfm() : run.workspace.sfm() / "training_views";
-  std::vector<ScenePoint> triangulated = TriangulatePoints(run.scene, run.split.train, dir, run.listener);
+  std::vector<ScenePoint> triangulated = TriangulatePoints(run.Given(), run.split.train, dir, run.listener);
   return {triangulated.size() > points.size() ? std::move(triangulated) : std::move(points), dir};
 }
 
@@ -53,13 +53,13 @@ FoundPoints PointsOfTrainingViews(const Run& run) {
 nlohmann::json CheckGivenPoses(const Run& run, const std::filesystem::path& matches) {
   if (!run.photos.empty()) return nullptr;  // colmap found them out of these very matches
   // A model's points came with its poses and fit them: only the photos can tell.
-  if (matches != run.workspace.sfm()) MatchForCheck(run.scene, run.split.train, matches, run.listener);
+  if (matches != run.workspace.sfm()) MatchForCheck(run.Given(), run.split.train, matches, run.listener);
   const Eigen::Vector3d origin = RunFromScene(run.frame) * Eigen::Vector3d(0, 0, 0);
-  const std::optional<PoseFit> fit = FitPosesOf(run.scene, run.split.train, origin, matches, run.listener);
+  const std::optional<PoseFit> fit = FitPosesOf(run.Given(), run.split.train, origin, matches, run.listener);
   if (!fit) return nullptr;
-  const std::string misfit = DescribeMisfit(run.scene, *fit);
+  const std::string misfit = DescribeMisfit(run.Given(), *fit);
   if (fit->verdict == PoseVerdict::kHopeless && !run.options.frame.force) {
-    throw InputError("{}: {}; --force trains with them as they are", run.scene.root.string(), misfit);
+    throw InputError("{}: {}; --force trains with them as they are", run.Given().root.string(), misfit);
   }
   if (!misfit.empty()) run.listener(Warning{misfit});
   nlohmann::json record = ToJson(*fit);
@@ -69,7 +69,7 @@ nlohmann::json CheckGivenPoses(const Run& run, const std::filesystem::path& matc
 
 /// Colmap's files are a cache of their own, which checks its inputs. Returns what the check of the poses found.
 nlohmann::json FindPoints(Run* run) {
-  for (const std::string& warning : PoseWarnings(run->scene, run->split.train)) run->listener(Warning{warning});
+  for (const std::string& warning : PoseWarnings(run->Given(), run->split.train)) run->listener(Warning{warning});
   FoundPoints found = PointsOfTrainingViews(*run);
   run->results->points = std::move(found.points);
   return CheckGivenPoses(*run, found.matches);

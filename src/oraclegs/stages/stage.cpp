@@ -9,6 +9,10 @@
 
 namespace oraclegs {
 
+std::string ViewsKey(Run* run, const std::vector<int>& views, const ImageOptions& images) {
+  return ViewsFingerprint(run->Given(), views, images, &run->files);
+}
+
 const TrainingViews& ViewsOf(Run* run) {
   std::unique_ptr<TrainingViews>& views = run->results->views;
   if (!views) {

@@ -63,6 +63,7 @@ struct StageResults {
   std::map<std::string, std::string> keys;     ///< keys of the stages whose results are held
   std::unique_ptr<TrainingViews> views;        ///< null = not loaded yet (ViewsOf)
   std::vector<ScenePoint> points;              ///< result of "sfm", with indices of the scene's views
+  std::vector<DepthMap> stereo;                ///< of stage "poses", for "depth": made with the poses as they are now
   Geometry geometry;                           ///< result of "depth"
   std::vector<ProxyModel> proxies;             ///< result of "proxies"
   std::vector<Target> targets;                 ///< result of "propose" for the run's own proposers
@@ -83,12 +84,13 @@ struct Run {
   std::string version;  ///< version of the program, for metrics.json
   Plan plan;
   Workspace workspace;
-  Scene scene;  ///< has poses, but before stage "register"
+  Scene scene;  ///< has poses, but before stage "register"; refined ones after stage "poses"
   Split split;
   Listener listener;
   std::string photos;  ///< stands for images that came without poses; "" = the scene has poses of its own
   FileHashes files = {};
   std::optional<NeededViews> needed = {};        ///< kept of many photos without poses (needed_photos.h); nullopt = all
+  std::optional<Scene> given = {};               ///< the scene before its poses were refined; nullopt = they were not
   SceneFrame frame = {};                         ///< that the scene was brought into, once its poses are known
   std::map<std::string, double> predicted = {};  ///< seconds of each stage; empty where nobody asked
   std::unique_ptr<StageResults> results = std::make_unique<StageResults>();
@@ -98,7 +100,13 @@ struct Run {
   const std::vector<Stage>* stages = nullptr;               ///< not null
   const std::vector<ProposerRow>* proposer_rows = nullptr;  ///< not null
   std::shared_ptr<RunObserver> observer = {};               ///< null for a run that was only opened
+
+  /// The scene with the poses that it came with, or that were found.
+  const Scene& Given() const { return given ? *given : scene; }
 };
+
+/// ViewsFingerprint of the given scene: what a stage makes of refined poses depends on stage "poses", whose key it has.
+std::string ViewsKey(Run* run, const std::vector<int>& views, const ImageOptions& images);
 
 /// The training views, loaded when they are first asked for.
 const TrainingViews& ViewsOf(Run* run);

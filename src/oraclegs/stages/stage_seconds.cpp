@@ -53,6 +53,11 @@ double SecondsOfFeatures(const EstimateInput& input, int photos) {
          (kMatch + kMatchOfSide * std::sqrt(pixels)) * static_cast<double>(PairsToMatch(photos));
 }
 
+double SecondsOfStereo(const EstimateInput& input) {
+  constexpr double kStereoOfPixel = 17e-6;
+  return kStereoOfPixel * CoveredPixels(input) * input.scene.views;
+}
+
 double SecondsOfScores(const EstimateInput& input, double views) {
   return (kScoreOfPixel * CoveredPixels(input) + kLoadOfPixel * FullPixels(input)) * views;
 }

@@ -13,6 +13,7 @@ struct EstimateInput {
   int test_views = 0;   ///< held out
   int other_views = 0;  ///< neither train nor test: poses of --trajectory dataset
   double slowness = 1;  ///< factor of the machine's time to the reference machine's (run/time_estimate.h)
+  bool refines_poses = false;  ///< stage "poses" runs
   double covered = 1;   ///< share of the pixels that show something: the background of an object costs little
 };
 
@@ -28,6 +29,8 @@ int ProposalsOf(const EstimateInput& input);
 double SecondsOfIteration(const EstimateInput& input);
 /// Seconds of COLMAP's features and matches of so many photos.
 double SecondsOfFeatures(const EstimateInput& input, int photos);
+/// Seconds of stereo over the training views.
+double SecondsOfStereo(const EstimateInput& input);
 /// Seconds of reading and scoring views.
 double SecondsOfScores(const EstimateInput& input, double views);
 /// Seconds of the render of one image.

@@ -18,6 +18,11 @@ std::optional<VggtWeights> PoseNetworkOf(const RunOptions& options, const Worksp
 /// (cached in sfm/). Not wanted where no other stage would use them.
 StageWork SfmStage();
 
+/// Stage "poses": holds poses against dense stereo, and corrects those of the training views where they are off; the
+/// run's scene then has the corrected ones, and other views follow. Writes sfm/refined.json. Says how far each view was
+/// off, and warns where no small correction helps.
+StageWork PosesStage();
+
 /// Stage "depth": multi-view stereo over the training views, in the order of the split, and what Depth Anything V2
 /// predicts of each (--depth-prior). Writes depth/ and sfm/dense.ply. Reports what share of the pixels is confident,
 /// how often the network was right, or what brings its weights where it is missed; warns of views of which next to

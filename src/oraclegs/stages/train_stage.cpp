@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 
 void AddTrainKey(Run* run, Fingerprint* key) {
   key->Add(ShapingOptionsToJson(run->options).dump());
-  key->Add(ViewsFingerprint(run->scene, run->split.train, run->plan.image, &run->files));
+  key->Add(ViewsKey(run, run->split.train, run->plan.image));
   if (run->plan.has_proposals && run->options.train.proposal_lpips > 0) key->Add(run->files.OfAll(run->plan.lpips));
 }
 
@@ -47,7 +47,7 @@ std::string InputsOf(Run* run) {
   nlohmann::json options = ShapingOptionsToJson(run->options);
   options.erase("iterations");
   print.Add(options.dump());
-  print.Add(ViewsFingerprint(run->scene, run->split.train, run->plan.image, &run->files));
+  print.Add(ViewsKey(run, run->split.train, run->plan.image));
   if (run->plan.has_proposals && run->options.train.proposal_lpips > 0) print.Add(run->files.OfAll(run->plan.lpips));
   return print.Hex();
 }

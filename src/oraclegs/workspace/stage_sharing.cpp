@@ -18,7 +18,7 @@ struct Portion {
 };
 
 const Portion kRegistration = {{"sfm"}, {"register"}};
-const Portion kGeometry = {{"sfm", "depth"}, {"depth", "sfm", "register"}};
+const Portion kGeometry = {{"sfm", "depth"}, {"depth", "sfm", "register", "poses"}};
 const Portion kProposals = {{"proposals", "confidence"}, {"propose", "validate", "proxies", "proxy "}};
 
 bool HasAny(const fs::path& root, const Portion& portion) {

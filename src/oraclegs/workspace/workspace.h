@@ -31,6 +31,7 @@ class WorkspacePaths {
   std::filesystem::path exposures() const { return root_ / "exposures.json"; }
   std::filesystem::path frame() const { return root_ / "frame.json"; }  ///< coordinate frame of the run
   std::filesystem::path sfm() const { return root_ / "sfm"; }
+  std::filesystem::path refined_poses() const { return sfm() / "refined.json"; }  ///< of the training views
   std::filesystem::path dense_ply() const { return sfm() / "dense.ply"; }
   std::filesystem::path depth() const { return root_ / "depth"; }
   std::filesystem::path proposals() const { return root_ / "proposals"; }

@@ -1,0 +1,189 @@
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "oraclegs/core/text.h"
+#include "oraclegs/depth/plane_search.h"
+#include "oraclegs/depth/refine_poses.h"
+#include "oraclegs/depth/stereo.h"
+#include "oraclegs/stages/refined_poses.h"
+#include "oraclegs/stages/stage_seconds.h"
+#include "oraclegs/stages/stage_works.h"
+#include "oraclegs/stages/stereo_of_run.h"
+
+namespace oraclegs {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kMaxRefinements = 2;  // more of them, each with depth of its own, move no camera by a tenth of a pixel
+
+constexpr double kMaxLeft = 0.5;  // pixels that refinement may leave a view off by without a warning
+
+const char* WordOf(PoseRefinementResult result) {
+  switch (result) {
+    case PoseRefinementResult::kUnknown:
+      return "unknown";
+    case PoseRefinementResult::kKept:
+      return "kept";
+    case PoseRefinementResult::kRefined:
+      return "refined";
+    case PoseRefinementResult::kUndone:
+      return "undone";
+  }
+  return "";
+}
+
+void AddPosesKey(Run* run, Fingerprint* key) {
+  key->Add(ViewsKey(run, run->split.train, run->plan.image));
+  key->Add(OptionsToJson(run->options.image).dump()).Add(OptionsToJson(run->options.stereo).dump());
+  key->Add(run->options.input.refine_poses == PoseRefining::kOn);
+}
+
+void UndoPoses(Run* run, const json&) {
+  std::error_code ignored;
+  std::filesystem::remove(run->workspace.refined_poses(), ignored);
+}
+
+std::vector<Camera> CamerasOf(const std::vector<LoadedView>& views) {
+  std::vector<Camera> cameras;
+  for (const LoadedView& view : views) cameras.push_back(view.camera);
+  return cameras;
+}
+
+/// The run with refined poses where its given ones are off, and its stereo with them. Depth of wrong poses is wrong
+/// itself: stereo and refinement take turns.
+PoseRefinement Refine(Run* run, std::vector<DepthMap>* stereo) {
+  const std::vector<LoadedView>& views = ViewsOf(run).views;
+  const std::vector<Camera> given = CamerasOf(views);
+  *stereo = StereoOf(*run, views, "poses");
+  PoseRefinementOptions options;
+  if (run->options.input.refine_poses == PoseRefining::kOn) options.gate = 0;
+  PoseRefinement refined = RefinePoses(views, *stereo, options);
+  if (refined.result != PoseRefinementResult::kRefined) return refined;
+  options.gate = 0;
+  for (int i = 1; i < kMaxRefinements; ++i) {
+    UsePoses(run, refined.cameras);
+    const PoseRefinement more = RefinePoses(views, StereoOf(*run, views, "poses"), options);
+    if (more.result != PoseRefinementResult::kRefined) break;
+    refined.cameras = more.cameras;
+    for (size_t v = 0; v < views.size(); ++v) refined.views[v].residual.after = more.views[v].residual.after;
+    refined.residual.after = more.residual.after;
+  }
+  const std::vector<CameraMovement> movements = Movements(given, refined.cameras);
+  for (size_t v = 0; v < views.size(); ++v) refined.views[v].movement = movements[v];
+  if (IsBelieved(movements)) {
+    UsePoses(run, refined.cameras);
+    *stereo = {};
+  } else {
+    UsePoses(run, given);
+    refined.result = PoseRefinementResult::kUndone;
+  }
+  return refined;
+}
+
+json RecordOf(const PoseRefinement& refinement) {
+  json views = json::array();
+  for (const RefinedView& view : refinement.views) {
+    views.push_back({{"name", view.name},
+                     {"before", view.residual.before},
+                     {"after", view.residual.after},
+                     {"degrees", view.movement.degrees},
+                     {"share", view.movement.share}});
+  }
+  return {{"result", WordOf(refinement.result)},
+          {"before", refinement.residual.before},
+          {"after", refinement.residual.after},
+          {"offsets", refinement.offsets},
+          {"views", std::move(views)},
+          {"files", json::array()}};
+}
+
+std::optional<json> MakePoses(Run* run, const std::string&) {
+  std::vector<DepthMap> stereo;
+  const PoseRefinement refinement = Refine(run, &stereo);
+  json record = RecordOf(refinement);
+  if (refinement.result == PoseRefinementResult::kRefined) {
+    WriteRefinedPoses(run->workspace.refined_poses(), NamesAt(run->scene, run->split.train), refinement.cameras);
+    record["files"].push_back("sfm/refined.json");
+  }
+  run->results->stereo = std::move(stereo);
+  return record;
+}
+
+bool LoadPoses(Run* run) {
+  UseRefinedPoses(run);
+  return true;
+}
+
+/// The view with the largest of these numbers.
+json WorstView(const json& record, const char* number) {
+  const json views = record.value("views", json::array());
+  if (views.empty()) return json::object();
+  return *std::max_element(views.begin(), views.end(), [&](const json& a, const json& b) {
+    return a.value(number, 0.) < b.value(number, 0.);
+  });
+}
+
+/// "off by 0.71 px, IMG_3.jpg by 1.57 px"
+std::string OffBy(const json& record, const char* when) {
+  const json worst = WorstView(record, when);
+  return fmt::format("{:.2f} px, {} by {:.2f} px", record.value(when, 0.), worst.value("name", ""),
+                     worst.value(when, 0.));
+}
+
+void ReportPoses(Run* run) {
+  const json record = run->workspace.Record("poses");
+  const std::string result = record.value("result", "");
+  const double degrees = WorstView(record, "degrees").value("degrees", 0.),
+               percent = 100 * WorstView(record, "share").value("share", 0.);
+  if (result == "unknown") {
+    run->listener(Note{"poses: too few patches are common to the photos to say how well they fit"});
+  } else if (result == "kept") {
+    run->listener(Note{fmt::format("poses fit the photos within {}; they are kept", OffBy(record, "before"))});
+  } else if (result == "refined") {
+    run->listener(Note{fmt::format(
+        "poses were off by {}, and are refined to {}: cameras turned by up to {:.2f} degrees and moved by up to "
+        "{:.1f} % of the scene (--refine-poses off keeps them)",
+        OffBy(record, "before"), OffBy(record, "after"), degrees, percent)});
+    const json worst = WorstView(record, "after");
+    if (worst.value("after", 0.) > kMaxLeft) {
+      run->listener(Warning{fmt::format("the pose of {} is still off by {:.2f} px; what it shows may blur: leave the "
+                                        "photo out, or find its pose anew",
+                                        worst.value("name", ""), worst.value("after", 0.))});
+    }
+  } else {
+    run->listener(Warning{fmt::format(
+        "poses are off by {}, and no small correction mends them (the best would turn a camera by {:.1f} degrees and "
+        "move one by {:.1f} % of the scene): they are kept as they are, and what they show may blur; find them anew "
+        "from the photos alone",
+        OffBy(record, "before"), degrees, percent)});
+  }
+}
+
+std::string Summary(const json& record) {
+  const std::string result = record.value("result", "");
+  if (result == "unknown") return "not checked";
+  if (result == "kept") return fmt::format("fit within {:.2f} px", record.value("before", 0.));
+  return fmt::format("{}: {:.2f} px, were {:.2f} px", result, record.value("after", 0.), record.value("before", 0.));
+}
+
+}  // namespace
+
+StageWork PosesStage() {
+  return {.wanted = [](const Run& run) { return run.plan.refines_poses; },
+          .own = AddPosesKey,
+          .undo = UndoPoses,
+          .make = MakePoses,
+          .load = LoadPoses,
+          .report = ReportPoses,
+          .summary = Summary,
+          .seconds =
+              [](const EstimateInput& input) {
+                constexpr double kOffsetsOfView = 0.1;
+                return SecondsOfStereo(input) + kOffsetsOfView * input.scene.views;
+              }};
+}
+
+}  // namespace oraclegs
