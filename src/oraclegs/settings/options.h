@@ -86,9 +86,10 @@ struct InputOptions {
     visit("poses", self.poses,
           "What finds the cameras of photos without poses: colmap = structure from motion; vggt = the network, in one "
           "pass, also from photos that share too little for colmap");
-    visit("refine-poses", self.refine_poses,
-          "Correct the poses of the photos by what dense stereo sees: patches that lie beside their epipolar lines. on; "
-          "off; auto = where a photo's patches lie more than a quarter of a pixel beside");
+    visit(
+        "refine-poses", self.refine_poses,
+        "Correct the poses of the photos by what dense stereo sees: patches that lie beside their epipolar lines. on; "
+        "off; auto = where a photo's patches lie more than a quarter of a pixel beside");
     visit(
         "frame", self.frame,
         "What a scene with poses is trained in: normal = moved and scaled so that the result does not depend on the "

@@ -52,8 +52,8 @@ void RequireGpuForLargeNetworks(const RunOptions& options, Plan* plan) {
   plan->oracle = {OracleKind::kConsistency, {}, of_vggt};
 }
 
-/// Whether stage "poses" runs. Methods of other papers get the poses as they are. Throws UsageError where they shall be
-/// refined without stereo.
+}  // namespace
+
 bool RefinesPoses(const RunOptions& options, const Plan& plan) {
   const Auto<PoseRefining>& asked = options.input.refine_poses;
   const bool has_stereo = plan.needs_depth && plan.depth.prior != DepthPrior::kMonocular;
@@ -62,8 +62,6 @@ bool RefinesPoses(const RunOptions& options, const Plan& plan) {
   }
   return has_stereo && asked != PoseRefining::kOff && options.method.method.empty();
 }
-
-}  // namespace
 
 bool ProposesViews(const RunOptions& options) {
   return !options.propose.Words().empty() && options.trajectory.proposals != 0 &&

@@ -64,6 +64,10 @@ struct Plan {
   }
 };
 
+/// Whether stage "poses" runs, in a plan that has its source of depth. Methods of other papers get the poses as they
+/// are. Throws UsageError where poses shall be refined without stereo.
+bool RefinesPoses(const RunOptions& options, const Plan& plan);
+
 /// has_poses: the scene's cameras are known. On a CPU that --device cpu does not ask for, networks of the size of
 /// Stable Virtual Camera or VGGT take no part: --oracle auto does without. Throws InputError for weights that are asked
 /// for and missing, UsageError for a device that cannot be used and for such a network that is asked for.

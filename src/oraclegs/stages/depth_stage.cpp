@@ -92,8 +92,7 @@ MonocularMaps FindDepth(Run* run_, const TrainingViews& training) {
   std::vector<DepthMap> maps = std::exchange(run_->results->stereo, {});
   if (source.prior != DepthPrior::kMonocular && maps.empty()) maps = StereoOf(run, views, "depth");
   if (!source.HasNetwork()) return {std::move(maps), 0};
-  return WithMonocularDepth({predicted, IsWhole(run)}, views, std::move(maps), SeenByTrainingViews(run),
-                             run.listener);
+  return WithMonocularDepth({predicted, IsWhole(run)}, views, std::move(maps), SeenByTrainingViews(run), run.listener);
 }
 
 double MeanConfidentShare(const std::vector<DepthMap>& maps) {
@@ -219,6 +218,7 @@ void RequireDepth(Run* run) {
   if (run->plan.needs_depth) return;
   run->plan.needs_depth = true;
   run->plan.depth = ChooseDepthSource(run->options);
+  run->plan.refines_poses = RefinesPoses(run->options, run->plan);
 }
 
 }  // namespace oraclegs

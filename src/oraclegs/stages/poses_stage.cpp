@@ -92,12 +92,9 @@ json RecordOf(const PoseRefinement& refinement) {
                      {"degrees", view.movement.degrees},
                      {"share", view.movement.share}});
   }
-  return {{"result", WordOf(refinement.result)},
-          {"before", refinement.residual.before},
-          {"after", refinement.residual.after},
-          {"offsets", refinement.offsets},
-          {"views", std::move(views)},
-          {"files", json::array()}};
+  return {{"result", WordOf(refinement.result)}, {"before", refinement.residual.before},
+          {"after", refinement.residual.after},  {"offsets", refinement.offsets},
+          {"views", std::move(views)},           {"files", json::array()}};
 }
 
 std::optional<json> MakePoses(Run* run, const std::string&) {
@@ -121,9 +118,8 @@ bool LoadPoses(Run* run) {
 json WorstView(const json& record, const char* number) {
   const json views = record.value("views", json::array());
   if (views.empty()) return json::object();
-  return *std::max_element(views.begin(), views.end(), [&](const json& a, const json& b) {
-    return a.value(number, 0.) < b.value(number, 0.);
-  });
+  return *std::max_element(views.begin(), views.end(),
+                           [&](const json& a, const json& b) { return a.value(number, 0.) < b.value(number, 0.); });
 }
 
 /// "off by 0.71 px, IMG_3.jpg by 1.57 px"
@@ -149,9 +145,10 @@ void ReportPoses(Run* run) {
         OffBy(record, "before"), OffBy(record, "after"), degrees, percent)});
     const json worst = WorstView(record, "after");
     if (worst.value("after", 0.) > kMaxLeft) {
-      run->listener(Warning{fmt::format("the pose of {} is still off by {:.2f} px; what it shows may blur: leave the "
-                                        "photo out, or find its pose anew",
-                                        worst.value("name", ""), worst.value("after", 0.))});
+      run->listener(
+          Warning{fmt::format("the pose of {} is still off by {:.2f} px; what it shows may blur: leave the "
+                              "photo out, or find its pose anew",
+                              worst.value("name", ""), worst.value("after", 0.))});
     }
   } else {
     run->listener(Warning{fmt::format(

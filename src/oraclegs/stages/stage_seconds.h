@@ -9,12 +9,12 @@ namespace oraclegs {
 struct EstimateInput {
   const RunOptions& options;  ///< with its size settled
   SceneSize scene;
-  int photos = 0;       ///< number that is registered; 0 where the scene has poses
-  int test_views = 0;   ///< held out
-  int other_views = 0;  ///< neither train nor test: poses of --trajectory dataset
-  double slowness = 1;  ///< factor of the machine's time to the reference machine's (run/time_estimate.h)
+  int photos = 0;              ///< number that is registered; 0 where the scene has poses
+  int test_views = 0;          ///< held out
+  int other_views = 0;         ///< neither train nor test: poses of --trajectory dataset
+  double slowness = 1;         ///< factor of the machine's time to the reference machine's (run/time_estimate.h)
   bool refines_poses = false;  ///< stage "poses" runs
-  double covered = 1;   ///< share of the pixels that show something: the background of an object costs little
+  double covered = 1;          ///< share of the pixels that show something: the background of an object costs little
 };
 
 /// Pixels of a view at working size, and those of them that show something.
