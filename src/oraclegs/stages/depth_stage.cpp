@@ -106,7 +106,7 @@ std::string DescribeLack(const Run& run, const Overlap& overlap) {
   if (overlap.seen < kMinPromised || overlap.confident >= kMinKept) return "";
   const nlohmann::json sfm = run.workspace.Record("sfm");
   const nlohmann::json poses = sfm.is_object() ? sfm.value("poses", nlohmann::json()) : nlohmann::json();
-  const bool are_off = poses.is_object() && !poses.value("warning", "").empty();
+  const bool are_off = !run.given && poses.is_object() && !poses.value("warning", "").empty();
   return fmt::format(
       "depth is confident on {:.0f} % of what another photo shows, too, which is far less than such an overlap usually "
       "gives: {}",

@@ -27,11 +27,14 @@ double PerSecond(const nlohmann::json& record) {
 /// Warnings of stages about the input from which the whole result suffers.
 std::vector<std::string> InputWarnings(const Run& run) {
   std::vector<std::string> warnings;
-  const nlohmann::json sfm = run.workspace.Record("sfm"), depth = run.workspace.Record("depth");
-  if (sfm.is_object() && sfm.contains("poses") && sfm["poses"].is_object()) {
+  const nlohmann::json sfm = run.workspace.Record("sfm"), depth = run.workspace.Record("depth"),
+                       poses = run.workspace.Record("poses");
+  const bool mended = poses.is_object() && poses.value("result", "") == "refined";
+  if (!mended && sfm.is_object() && sfm.contains("poses") && sfm["poses"].is_object()) {
     warnings.push_back(sfm["poses"].value("warning", ""));
   }
   if (depth.is_object()) warnings.push_back(depth.value("warning", ""));
+  if (poses.is_object()) warnings.push_back(poses.value("warning", ""));
   std::erase(warnings, "");
   return warnings;
 }
@@ -131,6 +134,11 @@ nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_reco
     metrics["depth"] = {{"prior", depth.at("prior")},
                         {"right", depth.value("right", 0.0)},
                         {"network", depth.value("network", nlohmann::json())}};
+  }
+  if (const nlohmann::json poses = run.workspace.Record("poses"); poses.is_object()) {
+    for (const char* name : {"result", "before", "after", "views"}) {
+      if (poses.contains(name)) metrics["poses"][name] = poses.at(name);
+    }
   }
   const nlohmann::json validate = run.workspace.Record("validate");
   if (validate.is_object() && validate.contains("oracle")) {

@@ -97,23 +97,6 @@ json RecordOf(const PoseRefinement& refinement) {
           {"views", std::move(views)},           {"files", json::array()}};
 }
 
-std::optional<json> MakePoses(Run* run, const std::string&) {
-  std::vector<DepthMap> stereo;
-  const PoseRefinement refinement = Refine(run, &stereo);
-  json record = RecordOf(refinement);
-  if (refinement.result == PoseRefinementResult::kRefined) {
-    WriteRefinedPoses(run->workspace.refined_poses(), NamesAt(run->scene, run->split.train), refinement.cameras);
-    record["files"].push_back("sfm/refined.json");
-  }
-  run->results->stereo = std::move(stereo);
-  return record;
-}
-
-bool LoadPoses(Run* run) {
-  UseRefinedPoses(run);
-  return true;
-}
-
 /// The view with the largest of these numbers.
 json WorstView(const json& record, const char* number) {
   const json views = record.value("views", json::array());
@@ -129,11 +112,46 @@ std::string OffBy(const json& record, const char* when) {
                      worst.value(when, 0.));
 }
 
+/// What is wrong with the poses that are used; "" where nothing is.
+std::string WarningOf(const json& record) {
+  const std::string result = record.at("result");
+  if (result == "undone") {
+    return fmt::format(
+        "poses are off by {}, and no small correction mends them (the best would turn a camera by {:.1f} degrees and "
+        "move one by {:.1f} % of the scene): they are kept as they are, and what they show may blur; find them anew "
+        "from the photos alone",
+        OffBy(record, "before"), WorstView(record, "degrees").value("degrees", 0.),
+        100 * WorstView(record, "share").value("share", 0.));
+  }
+  const json worst = WorstView(record, "after");
+  if (result != "refined" || worst.value("after", 0.) <= kMaxLeft) return "";
+  return fmt::format(
+      "the pose of {} is still off by {:.2f} px, and what it shows may blur: leave the photo out, or find its pose "
+      "anew",
+      worst.value("name", ""), worst.value("after", 0.));
+}
+
+std::optional<json> MakePoses(Run* run, const std::string&) {
+  std::vector<DepthMap> stereo;
+  const PoseRefinement refinement = Refine(run, &stereo);
+  json record = RecordOf(refinement);
+  record["warning"] = WarningOf(record);
+  if (refinement.result == PoseRefinementResult::kRefined) {
+    WriteRefinedPoses(run->workspace.refined_poses(), NamesAt(run->scene, run->split.train), refinement.cameras);
+    record["files"].push_back("sfm/refined.json");
+  }
+  run->results->stereo = std::move(stereo);
+  return record;
+}
+
+bool LoadPoses(Run* run) {
+  UseRefinedPoses(run);
+  return true;
+}
+
 void ReportPoses(Run* run) {
   const json record = run->workspace.Record("poses");
   const std::string result = record.value("result", "");
-  const double degrees = WorstView(record, "degrees").value("degrees", 0.),
-               percent = 100 * WorstView(record, "share").value("share", 0.);
   if (result == "unknown") {
     run->listener(Note{"poses: too few patches are common to the photos to say how well they fit"});
   } else if (result == "kept") {
@@ -142,21 +160,10 @@ void ReportPoses(Run* run) {
     run->listener(Note{fmt::format(
         "poses were off by {}, and are refined to {}: cameras turned by up to {:.2f} degrees and moved by up to "
         "{:.1f} % of the scene (--refine-poses off keeps them)",
-        OffBy(record, "before"), OffBy(record, "after"), degrees, percent)});
-    const json worst = WorstView(record, "after");
-    if (worst.value("after", 0.) > kMaxLeft) {
-      run->listener(
-          Warning{fmt::format("the pose of {} is still off by {:.2f} px; what it shows may blur: leave the "
-                              "photo out, or find its pose anew",
-                              worst.value("name", ""), worst.value("after", 0.))});
-    }
-  } else {
-    run->listener(Warning{fmt::format(
-        "poses are off by {}, and no small correction mends them (the best would turn a camera by {:.1f} degrees and "
-        "move one by {:.1f} % of the scene): they are kept as they are, and what they show may blur; find them anew "
-        "from the photos alone",
-        OffBy(record, "before"), degrees, percent)});
+        OffBy(record, "before"), OffBy(record, "after"), WorstView(record, "degrees").value("degrees", 0.),
+        100 * WorstView(record, "share").value("share", 0.))});
   }
+  if (const std::string warning = record.value("warning", ""); !warning.empty()) run->listener(Warning{warning});
 }
 
 std::string Summary(const json& record) {

@@ -6,6 +6,7 @@ import {proposals, testViews} from './images.js';
 import {calibration, curves, support} from './measures.js';
 import {plan} from './plan.js';
 import {commandAndOptions, licenses} from './record.js';
+import {poses} from './poses.js';
 import {registration} from './registration.js';
 import {scores, stages} from './scores.js';
 
@@ -21,6 +22,7 @@ const SECTIONS = [
   ['calibration', 'Calibration', 'Is the confidence right?', calibration],
   ['plan', 'Cameras', 'Cameras and points from above', plan],
   ['registration', 'Registration', 'Registration of the photos', registration],
+  ['poses', 'Poses', 'Poses of the photos', poses],
   ['training', 'Training', 'Training', curves],
   ['stages', 'Stages', 'Stages', stages],
   ['reproduce', 'Options', 'Command and options', commandAndOptions],

@@ -285,6 +285,7 @@ json WriteRunDocument(Run* run, const Model& model, const fs::path& video) {
   document["curves"] = curve.empty() ? json::array() : CurvesToJson(curve);
   document["support"] = SupportOf(model, metrics);
   document["registration"] = RegistrationOf(*run, views.Advice());
+  document["poses"] = metrics.value("poses", json());
   document["calibration"] = CalibrationOf(*run);
   document["warnings"] = metrics.value("warnings", json::array());
   document["non_commercial"] = NonCommercialParts(run->workspace);
