@@ -17,7 +17,7 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "e2e"))
 from harness import PROGRAM  # noqa: E402
 
-STAGES = ["register", "sfm", "depth", "proxies", "propose", "validate", "train", "evaluate", "report"]
+STAGES = ["register", "sfm", "poses", "depth", "proxies", "propose", "validate", "train", "evaluate", "report"]
 SMALL = ["--iterations", 80, "--max-gaussians", 1500, "--set", "stereo-iterations=2", "--set", "stereo-passes=1", "--proposals", 4,
          "--set", "proxy-models=2", "--test-every", 4, "--set", "orbit-frames=8", "--checkpoint-every", 20, "--set", "refine-start=20",
          "--set", "refine-every=10", "--set", "sh-degree-interval=20"]  # fmt: skip

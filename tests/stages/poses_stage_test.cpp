@@ -134,7 +134,7 @@ TEST_F(PosesStageTest, LeavesPosesAloneWhereItIsNotWanted) {
 }
 
 TEST_F(PosesStageTest, SaysWhatNoSmallCorrectionMends) {
-  auto run = StartDisturbed("far", 0.3, 0.05);
+  auto run = StartDisturbed("far", 0.3, 0.15);
   Bring(&run, "poses");
   EXPECT_EQ(run.workspace.Record("poses").at("result"), "undone");
   EXPECT_THAT(recorder.warnings, Contains(HasSubstr("no small correction mends them")));

@@ -1,7 +1,6 @@
 #include "oraclegs/depth/refine_poses.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "oraclegs/core/interrupt.h"
@@ -18,11 +17,17 @@ double Worst(const AcrossResidual& residual) {
   return residual.views.empty() ? 0 : *std::max_element(residual.views.begin(), residual.views.end());
 }
 
-double Total(const AcrossResidual& residual) {
-  return std::accumulate(residual.views.begin(), residual.views.end(), 0.0);
-}
-
 }  // namespace
+
+double LeftShare(const std::vector<RefinedView>& views) {
+  PoseResidual sum;
+  for (const RefinedView& view : views) {
+    if (view.residual.before == 0 || view.residual.after == 0) continue;
+    sum.before += view.residual.before;
+    sum.after += view.residual.after;
+  }
+  return sum.before > 0 ? sum.after / sum.before : 1;
+}
 
 bool IsBelieved(const std::vector<CameraMovement>& movements) {
   return std::all_of(movements.begin(), movements.end(), [](const CameraMovement& movement) {
@@ -61,12 +66,19 @@ PoseRefinement RefinePoses(const std::vector<LoadedView>& views, const std::vect
   }
   const AcrossResidual after = ResidualAcross(scene.pixels, offsets, scene.cameras);
   const std::vector<CameraMovement> movements = Movements(given, scene.cameras);
-  refinement.residual.after = after.all;
+  std::vector<RefinedView> refined = refinement.views;
   for (size_t v = 0; v < views.size(); ++v) {
-    refinement.views[v].residual.after = after.views[v];
-    refinement.views[v].movement = movements[v];
+    refined[v].residual.after = after.views[v];
+    refined[v].movement = movements[v];
   }
-  if (after.cells < kMinCells || !(Total(after) < Total(before)) || !IsBelieved(movements)) {
+  const bool is_good = after.cells >= kMinCells && LeftShare(refined) < options.enough && IsBelieved(movements);
+  if (!is_good && Worst(before) < PoseRefinementOptions().gate) {
+    refinement.result = PoseRefinementResult::kKept;
+    return refinement;
+  }
+  refinement.residual.after = after.all;
+  refinement.views = std::move(refined);
+  if (!is_good) {
     refinement.result = PoseRefinementResult::kUndone;
     return refinement;
   }

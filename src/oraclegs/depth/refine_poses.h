@@ -12,17 +12,18 @@
 namespace oraclegs {
 
 struct PoseRefinementOptions {
-  double gate = 0.25;             ///< pixels: poses are kept where no view's residual is above it
-  int rounds = 3;                 ///< of measuring and solving
-  bool focal = false;             ///< also refines the focal lengths, by one factor for all views
+  double gate = 0.25;   ///< pixels: poses are kept where no view's residual is above it
+  double enough = 0.5;  ///< poses are kept unless the views' residuals fall to this share: good poses gain less
+  int rounds = 3;       ///< of measuring and solving
+  bool focal = false;   ///< also refines the focal lengths, by one factor for all views
   size_t pixels_per_view = 2500;  ///< with up to five offsets each
 };
 
 enum class PoseRefinementResult {
   kUnknown,  ///< too few patches were found to say anything
-  kKept,     ///< no view's residual is above the gate
+  kKept,     ///< no view's residual is above the gate, or other poses fit hardly better
   kRefined,
-  kUndone,  ///< the views' residuals did not fall, or a camera moved too far
+  kUndone,  ///< a residual is above the gate, but residuals did not fall enough, or a camera moved too far
 };
 
 /// How far patches lie from their epipolar lines (AcrossResidual), pixels of the views' images, before and after.
@@ -44,6 +45,10 @@ struct PoseRefinement {
   double focal_factor = 1;  ///< of all focal lengths
   size_t offsets = 0;       ///< patches behind the residual
 };
+
+/// What refinement left of the residuals: sum over the views that have one before and after, as a share of that before;
+/// 1 without such views.
+double LeftShare(const std::vector<RefinedView>& views);
 
 /// Largest movement of a camera that is believed, degrees and share of the scene extent.
 inline constexpr double kMaxPoseDegrees = 3, kMaxPoseShare = 0.03;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,8 +18,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kMaxRefinements = 2;  // more of them, each with depth of its own, move no camera by a tenth of a pixel
+constexpr int kMaxRefinements = 3;  // each with depth of its own; more of them only follow the noise of the offsets
 
+constexpr int kMinSide = 90;      // pixels of an image in which refinement still sees something
 constexpr double kMaxLeft = 0.5;  // pixels that refinement may leave a view off by without a warning
 
 const char* WordOf(PoseRefinementResult result) {
@@ -52,35 +54,85 @@ std::vector<Camera> CamerasOf(const std::vector<LoadedView>& views) {
   return cameras;
 }
 
-/// The run with refined poses where its given ones are off, and its stereo with them. Depth of wrong poses is wrong
-/// itself: stereo and refinement take turns.
+/// The training views at this share of their working size, with these poses; nothing where they would be too small.
+std::vector<LoadedView> SmallerViews(const Run& run, const std::vector<Camera>& cameras, int reduction) {
+  ImageOptions smaller = run.plan.image;
+  int longest = 0, shortest = std::numeric_limits<int>::max();
+  for (const Camera& camera : cameras) {
+    longest = std::max({longest, camera.width, camera.height});
+    shortest = std::min({shortest, camera.width, camera.height});
+  }
+  if (shortest < kMinSide * reduction) return {};
+  smaller.max_size = longest / reduction;
+  std::vector<LoadedView> views = LoadViews(run.scene, run.split.train, smaller, Silent());
+  for (size_t v = 0; v < views.size(); ++v) views[v].camera.cam_from_world = cameras[v].cam_from_world;
+  return views;
+}
+
+/// Poses that are off by many pixels leave stereo little to see: they are refined on small images first, where they are
+/// off by few.
+std::vector<Camera> RefinedFromCoarse(const Run& run, std::vector<Camera> cameras) {
+  PoseRefinementOptions options;
+  options.gate = 0, options.enough = 1;
+  for (const int reduction : {4, 2}) {
+    const std::vector<LoadedView> views = SmallerViews(run, cameras, reduction);
+    if (views.empty()) continue;
+    const PoseRefinement refined = RefinePoses(views, StereoOf(run, views, "poses"), options);
+    if (refined.result != PoseRefinementResult::kRefined) continue;
+    for (size_t v = 0; v < cameras.size(); ++v) cameras[v].cam_from_world = refined.cameras[v].cam_from_world;
+  }
+  return cameras;
+}
+
+double WorstAfter(const std::vector<RefinedView>& views) {
+  double worst = 0;
+  for (const RefinedView& view : views) worst = std::max(worst, view.residual.after);
+  return worst;
+}
+
+/// The run with refined poses where its given ones are off, and stereo of the poses as they are then; empty where it
+/// has to run again. Depth of wrong poses is wrong itself: stereo and refinement take turns.
 PoseRefinement Refine(Run* run, std::vector<DepthMap>* stereo) {
   const std::vector<LoadedView>& views = ViewsOf(run).views;
+  if (run->given) UsePoses(run, WorkingCameras(run->Given(), run->split.train, run->plan.image));
   const std::vector<Camera> given = CamerasOf(views);
   *stereo = StereoOf(*run, views, "poses");
   PoseRefinementOptions options;
   if (run->options.input.refine_poses == PoseRefining::kOn) options.gate = 0;
-  PoseRefinement refined = RefinePoses(views, *stereo, options);
-  if (refined.result != PoseRefinementResult::kRefined) return refined;
-  options.gate = 0;
+  PoseRefinement first = RefinePoses(views, *stereo, options);
+  if (first.result == PoseRefinementResult::kKept || first.result == PoseRefinementResult::kUnknown) return first;
+  PoseRefinement refined = first;
+  if (first.result == PoseRefinementResult::kUndone || WorstAfter(first.views) > PoseRefinementOptions().gate) {
+    refined.cameras = RefinedFromCoarse(*run, given);
+  }
+  options.gate = 0, options.enough = 1;
   for (int i = 1; i < kMaxRefinements; ++i) {
     UsePoses(run, refined.cameras);
-    const PoseRefinement more = RefinePoses(views, StereoOf(*run, views, "poses"), options);
-    if (more.result != PoseRefinementResult::kRefined) break;
+    *stereo = StereoOf(*run, views, "poses");
+    const PoseRefinement more = RefinePoses(views, *stereo, options);
+    const bool goes_on = more.result == PoseRefinementResult::kRefined;
+    const auto left = goes_on ? &PoseResidual::after : &PoseResidual::before;
+    for (size_t v = 0; v < views.size(); ++v) refined.views[v].residual.after = more.views[v].residual.*left;
+    refined.residual.after = more.residual.*left;
+    if (!goes_on) break;
+    stereo->clear();  // is that of the poses before
     refined.cameras = more.cameras;
-    for (size_t v = 0; v < views.size(); ++v) refined.views[v].residual.after = more.views[v].residual.after;
-    refined.residual.after = more.residual.after;
+    if (WorstAfter(more.views) < PoseRefinementOptions().gate) break;
   }
   const std::vector<CameraMovement> movements = Movements(given, refined.cameras);
   for (size_t v = 0; v < views.size(); ++v) refined.views[v].movement = movements[v];
-  if (IsBelieved(movements)) {
+  if (LeftShare(refined.views) < PoseRefinementOptions().enough && IsBelieved(movements)) {
     UsePoses(run, refined.cameras);
-    *stereo = {};
-  } else {
-    UsePoses(run, given);
-    refined.result = PoseRefinementResult::kUndone;
+    refined.result = PoseRefinementResult::kRefined;
+    return refined;
   }
-  return refined;
+  UsePoses(run, given);
+  run->scene = std::move(*run->given);  // bit by bit
+  run->given.reset();
+  stereo->clear();
+  first.result = PoseRefinementResult::kUndone;
+  first.cameras = given;
+  return first;
 }
 
 json RecordOf(const PoseRefinement& refinement) {
