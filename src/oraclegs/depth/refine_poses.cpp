@@ -10,14 +10,15 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kMinCells = 8;  // below, a residual says nothing
-
-/// The residual of the view whose pose fits worst: a wrong camera among many hardly shows in the median of all.
-double Worst(const AcrossResidual& residual) {
-  return residual.views.empty() ? 0 : *std::max_element(residual.views.begin(), residual.views.end());
-}
+constexpr size_t kMinCells = 8;   // below, a residual says nothing
+constexpr double kOfOneView = 2;  // a view's residual is of fewer cells, and noisier
 
 }  // namespace
+
+bool PassesGate(double all, const std::vector<double>& views, double gate) {
+  // A wrong camera among many hardly shows in the median of all.
+  return all < gate && std::all_of(views.begin(), views.end(), [&](double view) { return view < kOfOneView * gate; });
+}
 
 double LeftShare(const std::vector<RefinedView>& views) {
   PoseResidual sum;
@@ -54,7 +55,7 @@ PoseRefinement RefinePoses(const std::vector<LoadedView>& views, const std::vect
   if (before.cells < kMinCells) return refinement;
   refinement.residual = {before.all, before.all};
   for (size_t v = 0; v < views.size(); ++v) refinement.views[v].residual = {before.views[v], before.views[v]};
-  if (Worst(before) < options.gate) {
+  if (PassesGate(before.all, before.views, options.gate)) {
     refinement.result = PoseRefinementResult::kKept;
     return refinement;
   }
@@ -72,7 +73,7 @@ PoseRefinement RefinePoses(const std::vector<LoadedView>& views, const std::vect
     refined[v].movement = movements[v];
   }
   const bool is_good = after.cells >= kMinCells && LeftShare(refined) < options.enough && IsBelieved(movements);
-  if (!is_good && Worst(before) < PoseRefinementOptions().gate) {
+  if (!is_good && PassesGate(before.all, before.views, PoseRefinementOptions().gate)) {
     refinement.result = PoseRefinementResult::kKept;
     return refinement;
   }

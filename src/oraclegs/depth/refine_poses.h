@@ -12,7 +12,7 @@
 namespace oraclegs {
 
 struct PoseRefinementOptions {
-  double gate = 0.25;   ///< pixels: poses are kept where no view's residual is above it
+  double gate = 0.25;   ///< pixels: poses are kept where the residual is below it, and each view's below twice that
   double enough = 0.5;  ///< poses are kept unless the views' residuals fall to this share: good poses gain less
   int rounds = 3;       ///< of measuring and solving
   bool focal = false;   ///< also refines the focal lengths, by one factor for all views
@@ -21,7 +21,7 @@ struct PoseRefinementOptions {
 
 enum class PoseRefinementResult {
   kUnknown,  ///< too few patches were found to say anything
-  kKept,     ///< no view's residual is above the gate, or other poses fit hardly better
+  kKept,     ///< the residuals are below the gate
   kRefined,
   kUndone,  ///< a residual is above the gate, but residuals did not fall enough, or a camera moved too far
 };
@@ -45,6 +45,9 @@ struct PoseRefinement {
   double focal_factor = 1;  ///< of all focal lengths
   size_t offsets = 0;       ///< patches behind the residual
 };
+
+/// Whether poses with these residuals, of all views and of each (ResidualAcross), pass the gate.
+bool PassesGate(double all, const std::vector<double>& views, double gate);
 
 /// What refinement left of the residuals: sum over the views that have one before and after, as a share of that before;
 /// 1 without such views.

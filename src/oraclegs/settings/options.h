@@ -89,7 +89,7 @@ struct InputOptions {
     visit(
         "refine-poses", self.refine_poses,
         "Correct the poses of the photos by what dense stereo sees: patches that lie beside their epipolar lines. on; "
-        "off; auto = where a photo's patches lie more than a quarter of a pixel beside");
+        "off; auto = where patches lie a quarter of a pixel beside them, or those of one photo half a pixel");
     visit(
         "frame", self.frame,
         "What a scene with poses is trained in: normal = moved and scaled so that the result does not depend on the "

@@ -84,10 +84,11 @@ std::vector<Camera> RefinedFromCoarse(const Run& run, std::vector<Camera> camera
   return cameras;
 }
 
-double WorstAfter(const std::vector<RefinedView>& views) {
-  double worst = 0;
-  for (const RefinedView& view : views) worst = std::max(worst, view.residual.after);
-  return worst;
+/// Whether what refinement left passes the usual gate.
+bool Fits(const PoseRefinement& refined) {
+  std::vector<double> views;
+  for (const RefinedView& view : refined.views) views.push_back(view.residual.after);
+  return PassesGate(refined.residual.after, views, PoseRefinementOptions().gate);
 }
 
 /// The run with refined poses where its given ones are off, and stereo of the poses as they are then; empty where it
@@ -102,7 +103,7 @@ PoseRefinement Refine(Run* run, std::vector<DepthMap>* stereo) {
   PoseRefinement first = RefinePoses(views, *stereo, options);
   if (first.result == PoseRefinementResult::kKept || first.result == PoseRefinementResult::kUnknown) return first;
   PoseRefinement refined = first;
-  if (first.result == PoseRefinementResult::kUndone || WorstAfter(first.views) > PoseRefinementOptions().gate) {
+  if (first.result == PoseRefinementResult::kUndone || !Fits(first)) {
     refined.cameras = RefinedFromCoarse(*run, given);
   }
   options.gate = 0, options.enough = 1;
@@ -117,7 +118,7 @@ PoseRefinement Refine(Run* run, std::vector<DepthMap>* stereo) {
     if (!goes_on) break;
     stereo->clear();  // is that of the poses before
     refined.cameras = more.cameras;
-    if (WorstAfter(more.views) < PoseRefinementOptions().gate) break;
+    if (Fits(more)) break;
   }
   const std::vector<CameraMovement> movements = Movements(given, refined.cameras);
   for (size_t v = 0; v < views.size(); ++v) refined.views[v].movement = movements[v];
