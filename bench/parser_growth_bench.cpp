@@ -71,6 +71,7 @@ namespace {
 // A step is four times the one before: a table or vector that doubles is as full at each.
 constexpr double kSizes[] = {1e4, 4e4, 1.6e5, 6.4e5, 2.56e6, 1.024e7};  // bytes
 constexpr size_t kLast = 3;                                             // so many sizes show the growth at the end
+constexpr double kLeastStep = 3;  // a shorter one, to the most that a parser takes, would show how full tables are
 constexpr double kLeastSeconds = 1e-5, kLeastPeak = 2048,
                  kLeastBytes = 1000;  // less is not measured: the clock, rounding
 constexpr double kMostSeconds = 20;   // a larger input is not tried then
@@ -131,6 +132,7 @@ bool ShowGrowth(const ParserInput& input) {
     points.push_back({input.make(static_cast<size_t>(bytes))});
     points.back().bytes = static_cast<double>(points.back().file.size()) - header;
   }
+  while (points.size() > kLast && points.back().bytes < kLeastStep * points[points.size() - 2].bytes) points.pop_back();
   for (int round = 0; round < kRounds; ++round) {
     for (size_t i = 0; i < points.size(); ++i) {
       MeasureParser(input, &points[i]);

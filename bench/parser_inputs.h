@@ -25,9 +25,6 @@ std::vector<ParserInput> RunInputs();
 /// A temporary folder, which the end of the program removes.
 const std::filesystem::path& BenchFolder();
 
-/// A temporary folder, which the end of the program removes.
-const std::filesystem::path& BenchFolder();
-
 /// Concatenated pieces with a running number, up to that many bytes.
 std::string Repeated(size_t bytes, const std::function<std::string(size_t index)>& piece);
 

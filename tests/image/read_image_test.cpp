@@ -112,6 +112,27 @@ TEST(ReadImageSize, ReadsTheBeginningOfAFile) {
   }
 }
 
+TEST(ReadImageHeader, SaysWhatColmapWouldSeeOtherwise) {
+  const TempDir dir;
+  const std::string jpeg = EncodeJpeg(SmoothImage(32, 24, 3));
+  WriteText(dir / "plain", jpeg);
+  WriteText(dir / "turned", WithOrientation(jpeg, 8));
+  WriteText(dir / "mirrored", WithOrientation(jpeg, 2));
+  WritePng(dir / "rgb", SmoothImage(32, 24, 3));
+  WritePng(dir / "rgba", SmoothImage(32, 24, 4));
+  const ImageHeader plain = ReadImageHeader(dir / "plain"), turned = ReadImageHeader(dir / "turned"),
+                    rgba = ReadImageHeader(dir / "rgba");
+  EXPECT_EQ(plain.extension, ".jpg");
+  EXPECT_FALSE(plain.is_turned || plain.may_be_transparent);
+  EXPECT_TRUE(turned.is_turned);
+  EXPECT_EQ(std::pair(turned.width, turned.height), Side(24, 32));
+  EXPECT_EQ(std::pair(turned.stored_width, turned.stored_height), Side(32, 24));
+  EXPECT_TRUE(ReadImageHeader(dir / "mirrored").is_turned);
+  EXPECT_EQ(rgba.extension, ".png");
+  EXPECT_TRUE(rgba.may_be_transparent);
+  EXPECT_FALSE(ReadImageHeader(dir / "rgb").may_be_transparent);
+}
+
 TEST(ReadImage, NamesAFileThatIsNoImage) {
   const TempDir dir;
   WriteText(dir / "empty.png", "");

@@ -21,6 +21,7 @@ TEST(FileHashes, AreOfTheContentAndReadOnce) {
   WriteText(temp / "b", "same");
   FileHashes hashes;
   const std::string before = hashes.Of(temp / "a");
+  EXPECT_EQ(before, Fingerprint().AddFile(temp / "a").Hex());
   EXPECT_EQ(hashes.Of(temp / "b"), before);
   WriteText(temp / "b", "Same");
   EXPECT_EQ(hashes.Of(temp / "b"), before) << "known";

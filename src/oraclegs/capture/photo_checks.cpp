@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <mutex>
+#include <string_view>
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
@@ -49,7 +50,8 @@ void Say(const std::vector<std::string>& names, const char* one, const char* man
 }  // namespace
 
 PhotoSigns ReadSigns(const std::filesystem::path& path) {
-  const Image8 gray = ReadGrayThumbnail(path, kCheckSide);
+  const std::string bytes = ReadFile(path, kMaxImageBytes);
+  const Image8 gray = GrayThumbnail(bytes, path.string(), kCheckSide);
   PhotoSigns signs;
   const auto pixels = static_cast<double>(gray.data.size());
   double sum = 0, squares = 0, equal = 0;
@@ -69,7 +71,7 @@ PhotoSigns ReadSigns(const std::filesystem::path& path) {
   const ImageF small = ResizeArea(ToFloat(gray), kSignatureSide, kSignatureSide);
   for (const float value : small.data) signs.signature.push_back(255.0 * value);
 
-  const std::string metadata = ReadHead(path, kMetadataBytes);
+  const std::string_view metadata = std::string_view(bytes).substr(0, kMetadataBytes);
   const ImageInfo info = ReadImageInfo(path);
   const double aspect = static_cast<double>(info.width) / info.height;
   const bool is_sphere = aspect == 2 && !info.exif.HasCamera();

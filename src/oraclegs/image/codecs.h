@@ -36,6 +36,9 @@ inline constexpr size_t kPngHeaderBytes = 33;  ///< of a PNG, up to the checksum
 /// Bits of a pixel of a PNG of one gray channel, from its header; 0 for all other bytes, a palette's, too.
 int PngGrayBits(std::string_view head);
 
+/// True for a PNG with an alpha channel or a palette, whose entries may be transparent, from its header.
+bool PngMayBeTransparent(std::string_view head);
+
 /// Decodes any PNG as 8-bit RGB, or RGBA when something in it is transparent. `file` names it in error messages. Throws
 /// InputError when it is damaged or cut short, or when its header promises more pixels than its bytes can hold.
 Image8 DecodePng(std::string_view bytes, const std::string& file);

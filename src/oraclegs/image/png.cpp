@@ -177,6 +177,12 @@ int PngGrayBits(std::string_view head) {
   return gray ? head[kDepthAt] : 0;
 }
 
+bool PngMayBeTransparent(std::string_view head) {
+  if (!IsPng(head) || head.size() <= kColorAt) return false;
+  const int color = head[kColorAt];
+  return color == PNG_COLOR_TYPE_PALETTE || (color & PNG_COLOR_MASK_ALPHA) != 0;
+}
+
 void ReadPngSize(std::string_view bytes, const std::string& file, int* width, int* height) {
   if (bytes.size() < kPngHeaderBytes || bytes.substr(12, 4) != "IHDR") {
     throw InputError("{}: is a damaged PNG (no header); copy or export it again", file);

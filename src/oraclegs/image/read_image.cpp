@@ -4,18 +4,17 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/file_facts.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/core/function_ref.h"
 #include "oraclegs/image/codecs.h"
 
 namespace oraclegs {
 namespace {
-
-constexpr uint64_t kMaxFileBytes = uint64_t{1} << 31;  // an image of the largest size without compression
 
 // The headers of most images are in the first of these, large EXIF blocks and color profiles of a JPEG in the second.
 constexpr size_t kHeads[] = {size_t{64} << 10, size_t{1} << 20};
@@ -35,22 +34,6 @@ void SizeOf(const std::string& bytes, const std::string& file, Orientation orien
   RefuseFormat(bytes, file);
 }
 
-/// Calls `read` with the beginning of a file where that `suffices`, and with all of it where it does not or is found
-/// damaged.
-void ReadBeginning(const std::filesystem::path& path, FunctionRef<bool(const std::string&)> suffices,
-                   FunctionRef<void(const std::string&)> read) {
-  for (const size_t bytes : kHeads) {
-    const std::string head = ReadHead(path, bytes);
-    if (!suffices(head)) break;
-    try {
-      return read(head);
-    } catch (const InputError&) {  // what the head alone does not say, or hold
-    }
-    if (head.size() < bytes) break;
-  }
-  read(ReadFile(path, kMaxFileBytes));
-}
-
 const char* ExtensionOf(const std::string& bytes) {
   if (IsJpeg(bytes)) return ".jpg";
   if (IsPng(bytes)) return ".png";
@@ -58,7 +41,51 @@ const char* ExtensionOf(const std::string& bytes) {
   return IsWebp(bytes) ? ".webp" : ".tif";
 }
 
-constexpr uint64_t kMaxThumbnailFile = uint64_t{1} << 31;
+/// Header of an image file, and its EXIF where the part that was read has it.
+struct Beginning {
+  ImageHeader header;
+  std::optional<Exif> exif;  ///< nullopt: it may stand in what was not read
+};
+
+Beginning Parse(const std::string& bytes, const std::string& file, bool is_all) {
+  Beginning read;
+  ImageHeader& header = read.header;
+  SizeOf(bytes, file, Orientation::kUpright, &header.width, &header.height);
+  SizeOf(bytes, file, Orientation::kAsStored, &header.stored_width, &header.stored_height);
+  header.extension = ExtensionOf(bytes);
+  header.may_be_transparent = PngMayBeTransparent(bytes);
+  if (IsJpeg(bytes) || is_all) read.exif = ReadExif(bytes);  // others may end with their EXIF
+  header.is_turned = IsJpeg(bytes) && read.exif->orientation != 1;
+  return read;
+}
+
+/// Reads all of a file where its first bytes do not suffice or are found damaged.
+Beginning ReadBeginning(const std::filesystem::path& path) {
+  for (const size_t bytes : kHeads) {
+    const std::string head = ReadHead(path, bytes);
+    if (!IsImage(head) || IsWebp(head)) break;  // a WebP is turned by what it ends with
+    try {
+      return Parse(head, path.string(), /*is_all=*/false);
+    } catch (const InputError&) {  // what the head alone does not say, or hold
+    }
+    if (head.size() < bytes) break;
+  }
+  return Parse(ReadFile(path, kMaxImageBytes), path.string(), /*is_all=*/true);
+}
+
+Beginning BeginningOf(const std::filesystem::path& path) {
+  static FileFacts<Beginning> known;
+  return known.Of(path, [&] { return ReadBeginning(path); });
+}
+
+Image8 Decode(const std::string& bytes, const std::string& file, Orientation orientation) {
+  if (IsJpeg(bytes)) return DecodeJpeg(bytes, file, orientation);
+  if (IsPng(bytes)) return DecodePng(bytes, file);
+  if (IsHeif(bytes)) return DecodeHeif(bytes, file);
+  if (IsWebp(bytes)) return DecodeWebp(bytes, file, orientation);
+  if (IsTiff(bytes)) return DecodeTiff(bytes, file, orientation);
+  RefuseFormat(bytes, file);
+}
 
 Image8 ToGray(const Image8& image) {
   if (image.channels == 1) return image;
@@ -73,33 +100,24 @@ Image8 ToGray(const Image8& image) {
 }  // namespace
 
 Image8 ReadImage(const std::filesystem::path& path, Orientation orientation) {
-  const std::string bytes = ReadFile(path, kMaxFileBytes);
-  if (IsJpeg(bytes)) return DecodeJpeg(bytes, path.string(), orientation);
-  if (IsPng(bytes)) return DecodePng(bytes, path.string());
-  if (IsHeif(bytes)) return DecodeHeif(bytes, path.string());
-  if (IsWebp(bytes)) return DecodeWebp(bytes, path.string(), orientation);
-  if (IsTiff(bytes)) return DecodeTiff(bytes, path.string(), orientation);
-  RefuseFormat(bytes, path.string());
+  return Decode(ReadFile(path, kMaxImageBytes), path.string(), orientation);
 }
 
 void ReadImageSize(const std::filesystem::path& path, int* width, int* height, Orientation orientation) {
-  const bool wants_exif = orientation == Orientation::kUpright;
-  const auto suffices = [&](const std::string& head) {
-    return IsImage(head) && !(IsWebp(head) && wants_exif);  // a WebP ends with its EXIF
-  };
-  ReadBeginning(path, suffices,
-                [&](const std::string& bytes) { SizeOf(bytes, path.string(), orientation, width, height); });
+  const ImageHeader header = ReadImageHeader(path);
+  const bool upright = orientation == Orientation::kUpright;
+  *width = upright ? header.width : header.stored_width;
+  *height = upright ? header.height : header.stored_height;
 }
 
+ImageHeader ReadImageHeader(const std::filesystem::path& path) { return BeginningOf(path).header; }
+
 ImageInfo ReadImageInfo(const std::filesystem::path& path) {
-  ImageInfo info;
-  const auto is_jpeg = [](const std::string& head) { return IsJpeg(head); };  // others may end with their EXIF
-  ReadBeginning(path, is_jpeg, [&](const std::string& bytes) {
-    SizeOf(bytes, path.string(), Orientation::kUpright, &info.width, &info.height);
-    info.exif = ReadExif(bytes);
-    info.extension = ExtensionOf(bytes);
-  });
-  return info;
+  static FileFacts<Exif> known;
+  const Beginning read = BeginningOf(path);
+  const auto of_all = [&] { return ReadExif(ReadFile(path, kMaxImageBytes)); };
+  return {read.header.width, read.header.height, read.exif ? *read.exif : known.Of(path, of_all),
+          read.header.extension};
 }
 
 bool IsImage(std::string_view bytes) {
@@ -116,9 +134,12 @@ bool HasImageExtension(const std::filesystem::path& path) {
 }
 
 Image8 ReadGrayThumbnail(const std::filesystem::path& path, int max_side) {
-  const std::string bytes = ReadFile(path, kMaxThumbnailFile);
-  Image8 gray = IsJpeg(bytes) ? DecodeReducedJpeg(bytes, path.string(), max_side)
-                              : ToGray(ReadImage(path, Orientation::kAsStored));
+  return GrayThumbnail(ReadFile(path, kMaxImageBytes), path.string(), max_side);
+}
+
+Image8 GrayThumbnail(const std::string& bytes, const std::string& file, int max_side) {
+  Image8 gray =
+      IsJpeg(bytes) ? DecodeReducedJpeg(bytes, file, max_side) : ToGray(Decode(bytes, file, Orientation::kAsStored));
   const int longest = std::max(gray.width, gray.height);
   if (longest <= max_side) return gray;
   const double scale = static_cast<double>(max_side) / longest;

@@ -87,8 +87,8 @@ int InverseOrientation(int orientation) { return orientation == 6 ? 8 : orientat
 
 /// The EXIF orientation of a file; that of a PNG, which no reader here applies, is 1.
 int StoredOrientation(const fs::path& path) {
-  const std::string bytes = ReadFile(path);
-  return IsPng(bytes) ? 1 : ReadExif(bytes).orientation;
+  const ImageInfo info = ReadImageInfo(path);
+  return info.extension == ".png" ? 1 : info.exif.orientation;
 }
 
 [[noreturn]] void ThrowOtherSize(const SceneView& view, const Image8& mask, int width, int height) {

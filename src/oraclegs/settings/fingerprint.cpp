@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "oraclegs/core/file_facts.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/scene/loaded_view.h"
@@ -47,7 +48,7 @@ void FileHashes::Read(const std::vector<fs::path>& files) {
   std::vector<std::string> hashes(missing.size());
   ParallelFor(static_cast<int64_t>(missing.size()), [&](int64_t i) {
     const auto f = static_cast<size_t>(i);
-    hashes[f] = Fingerprint().AddFile(missing[f]).Hex();
+    hashes[f] = DigestOf(missing[f]).sha256;
   });
   for (size_t f = 0; f < missing.size(); ++f) known_[missing[f]] = std::move(hashes[f]);
 }

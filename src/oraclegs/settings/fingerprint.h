@@ -30,7 +30,8 @@ class Fingerprint {
   Sha256 hash_;
 };
 
-/// Hashes of the content of files that a run only reads; each file is read once.
+/// Hashes of the content of files that a run only reads, as they were when they were first asked for: what changes
+/// meanwhile is noticed by the next run.
 class FileHashes {
  public:
   /// Reads the files not yet known, on all threads. Throws InputError naming a file that cannot be read.

@@ -1,7 +1,5 @@
 #include "oraclegs/sfm/colmap_staging.h"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -12,10 +10,10 @@
 #include <utility>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/file_facts.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/image/codecs.h"
-#include "oraclegs/image/exif.h"
 #include "oraclegs/image/image.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/loaded_view.h"
@@ -26,26 +24,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kHeaderBytes = 128 * 1024;  // an EXIF segment holds 64 KiB at most and stands near the start
 constexpr uint8_t kMaskThreshold = 128;
 constexpr int kCopyQuality = 97;
 
 /// True when colmap reads no such file or, ignoring the EXIF orientation, would see the image otherwise than its camera
 /// does.
 bool NeedsCopy(const SceneView& view) {
-  const std::string header = ReadHead(view.image_path, kHeaderBytes);
-  if (!IsJpeg(header) && !IsPng(header)) return true;
-  if (ReadJpegMetadata(header).orientation == 1) return false;
+  const ImageHeader header = ReadImageHeader(view.image_path);
+  if (header.extension != ".jpg" && header.extension != ".png") return true;
+  if (!header.is_turned) return false;
   if (view.intrinsics.params.empty()) return true;
   return FittingOrientation(view, view.image_path, view.intrinsics.width, view.intrinsics.height) ==
          Orientation::kUpright;
-}
-
-/// A PNG that may have transparent pixels: of a kind with alpha, or a palette (whose entries may be).
-bool MayBeTransparent(std::string_view bytes) {
-  if (bytes.size() < 26 || bytes.substr(1, 3) != "PNG") return false;
-  const auto color_type = static_cast<unsigned char>(bytes[25]);
-  return color_type == 3 || color_type == 4 || color_type == 6;
 }
 
 /// The name as one path component that colmap's text files can hold.
@@ -157,7 +147,7 @@ Image8 PlaceImage(const SceneView& view, const StagedView& staged, const fs::pat
   fs::create_symlink(fs::absolute(view.image_path), target, error);
   if (error) fs::copy_file(view.image_path, target, error);
   if (error) throw RunError("{}: cannot be written: {}", target.string(), SystemReason(error));
-  return MayBeTransparent(ReadHead(view.image_path, kHeaderBytes)) ? AlphaMask(ReadImage(view.image_path)) : Image8();
+  return ReadImageHeader(view.image_path).may_be_transparent ? AlphaMask(ReadImage(view.image_path)) : Image8();
 }
 
 /// Each pixel of the mask that is nearest to one of an image of this size.
@@ -190,9 +180,8 @@ Image8 FeatureMask(const SceneView& view, const StagedView& staged, Image8 mask)
 /// By content: a copied, moved or merely touched file is still the same image.
 nlohmann::json DescribeFile(const fs::path& path) {
   if (path.empty()) return nullptr;
-  const std::string bytes = ReadFile(path);
-  const auto sum = crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
-  return {{"bytes", bytes.size()}, {"crc32", sum}};
+  const FileDigest digest = DigestOf(path);
+  return {{"bytes", digest.bytes}, {"crc32", digest.crc32}};
 }
 
 }  // namespace
@@ -222,7 +211,7 @@ std::vector<StagedView> PlanStaging(const Scene& scene, const std::vector<int>& 
     if (staged.is_copy) {
       staged.name += ".jpg";
     } else if (!HasImageExtension(staged.name)) {
-      staged.name += IsPng(ReadHead(view.image_path, kHeaderBytes)) ? ".png" : ".jpg";
+      staged.name += ReadImageHeader(view.image_path).extension;
     }
     if (!taken.insert(staged.name).second) {  // names that differ only in what PlainName replaced
       staged.name = fmt::format("camera{}/{}-{}", camera, views[i], staged.name.substr(staged.name.find('/') + 1));

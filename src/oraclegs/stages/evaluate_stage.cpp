@@ -45,9 +45,13 @@ std::optional<nlohmann::json> MakeEvaluate(Run* run, const std::string&) {
   const Stopwatch watch;
   const Model model = LoadModel(workspace.point_cloud(), run->options, run->plan.device, run->frame, run->listener);
   const bool held_out = !run->split.test.empty();
-  const std::vector<LoadedView> views = LoadViews(run->scene, ScoredViews(run->split), run->plan.image, run->listener);
-  if (!held_out)
+  std::vector<LoadedView> tests;
+  if (held_out) {
+    tests = LoadViews(run->scene, run->split.test, run->plan.image, run->listener);
+  } else {
     run->listener(Note{"all photos train: no view is left to score the result on (--eval holds some out)"});
+  }
+  const std::vector<LoadedView>& views = held_out ? tests : ViewsOf(run).views;
   const fs::path renders = workspace.renders(held_out ? "test" : "train");
   nlohmann::json scores = ScoreModel(model, views, renders, run->plan.lpips, run->listener);
   nlohmann::json record = {{"test", held_out ? scores : ScoreModel(model, {}, {}, {}, Silent())},

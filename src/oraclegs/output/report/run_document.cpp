@@ -270,7 +270,11 @@ json WriteRunDocument(Run* run, const Model& model, const fs::path& video) {
   const auto load = [&](int view) {  // one at a time, since all may not fit into memory
     return std::move(LoadViews(run->scene, {view}, run->plan.image, Silent()).front());
   };
-  for (const int view : Evenly(run->split.train, kReportedViews)) views.AddTraining(load(view));
+  const TrainingViews* training = run->results->views.get();
+  for (const int view : Evenly(run->split.train, kReportedViews)) {
+    const auto at = std::find(run->split.train.begin(), run->split.train.end(), view) - run->split.train.begin();
+    views.AddTraining(training != nullptr ? training->views[static_cast<size_t>(at)] : load(view));
+  }
   views.AddProposals();
   for (const int view : Evenly(run->split.test, kReportedViews)) views.AddTest(load(view));
   document["views"] = views.Rows();
