@@ -49,8 +49,8 @@ struct PoseRefinement {
 /// Whether poses with these residuals, of all views and of each (ResidualAcross), pass the gate.
 bool PassesGate(double all, const std::vector<double>& views, double gate);
 
-/// What refinement left of the residuals: sum over the views that have one before and after, as a share of that before;
-/// 1 without such views.
+/// The share of the residuals that refinement left: their sum over the views that have one before and after; 1 without
+/// such views.
 double LeftShare(const std::vector<RefinedView>& views);
 
 /// Largest movement of a camera that is believed, degrees and share of the scene extent.

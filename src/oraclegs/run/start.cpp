@@ -210,23 +210,15 @@ void EnterFrame(Run* run, bool opened) {
   if (!opened) RefreshUnit(*run);
 }
 
-/// Takes the poses that an earlier process refined, which stages that are up to date have used.
-void TakeRefinedPoses(Run* run, bool opened) {
-  if (opened) return UseRefinedPoses(run);
-  if (!IsUpToDate(run, "poses")) return;
-  try {
-    UseRefinedPoses(run);
-  } catch (const InputError&) {
-    RunStage(run, "poses");  // says so, and makes them again
-  }
-}
-
 /// Finds poses where there are none, splits, and settles the frame. `opened`: the run is only inspected.
 void FindPosesAndSplit(Run* run, bool opened) {
   if (!run->photos.empty()) RunStage(run, "register");
   run->split = SplitOfRun(*run);
   EnterFrame(run, opened);
-  TakeRefinedPoses(run, opened);
+  if (opened)
+    UseRefinedPoses(run);
+  else
+    TakeRefinedPoses(run);
 }
 
 void SaveSplit(const Run& run) {

@@ -165,7 +165,7 @@ std::string OffBy(const json& record, const char* when) {
                      worst.value(when, 0.));
 }
 
-/// What is wrong with the poses that are used; "" where nothing is.
+/// The warning about the poses that are used; "" where nothing is wrong with them.
 std::string WarningOf(const json& record) {
   const std::string result = record.at("result");
   if (result == "undone") {

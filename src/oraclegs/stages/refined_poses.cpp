@@ -81,4 +81,13 @@ void UseRefinedPoses(Run* run) {
   UsePoses(run, cameras);
 }
 
+void TakeRefinedPoses(Run* run) {
+  if (!IsUpToDate(run, *run->stages, "poses")) return;
+  try {
+    UseRefinedPoses(run);
+  } catch (const InputError&) {
+    RunStage(run, *run->stages, "poses");  // says so
+  }
+}
+
 }  // namespace oraclegs

@@ -22,4 +22,8 @@ void UsePoses(Run* run, const std::vector<Camera>& training);
 /// when it is damaged or of other views.
 void UseRefinedPoses(Run* run);
 
+/// UseRefinedPoses of a run that goes on, where stage "poses" is up to date: stages after it are, and have used them.
+/// Damaged ones are made again.
+void TakeRefinedPoses(Run* run);
+
 }  // namespace oraclegs
