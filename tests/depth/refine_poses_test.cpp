@@ -77,6 +77,27 @@ TEST(RefinePoses, KeepsTruePoses) {
   }
 }
 
+TEST(RefinePoses, KeepsTruePosesAlsoWithoutAGate) {
+  const std::vector<LoadedView> views = DemoViews(4);
+  const PoseRefinement refinement = RefinePoses(views, StereoOf(views), {.gate = 0});
+  EXPECT_EQ(refinement.result, PoseRefinementResult::kKept) << "others fit hardly better";
+  ExpectUnchanged(refinement, views);
+}
+
+TEST(RefinePoses, PassTheGateAllTogetherAndEachAtTwiceIt) {
+  EXPECT_TRUE(PassesGate(0.2, {0.1, 0.45}, 0.25));
+  EXPECT_FALSE(PassesGate(0.3, {0.1, 0.2}, 0.25));
+  EXPECT_FALSE(PassesGate(0.1, {0.1, 0.55}, 0.25));
+  EXPECT_FALSE(PassesGate(0, {0}, 0));
+}
+
+TEST(RefinePoses, LeaveAShareOfTheResidualsThatWereMeasuredTwice) {
+  EXPECT_EQ(LeftShare({}), 1);
+  const RefinedView half{"a", {1, 0.5}, {}}, unseen{"b", {0, 0.4}, {}}, lost{"c", {0.7, 0}, {}};
+  EXPECT_EQ(LeftShare({half, unseen, lost}), 0.5);
+  EXPECT_EQ(LeftShare({unseen, lost}), 1);
+}
+
 TEST(RefinePoses, FindsTruePosesFromWrongOnes) {
   const std::vector<LoadedView> views = DemoViews(4);
   const std::vector<Camera> truth = CamerasOfAll(views), given = Disturbed(truth, 0.3, 0.01, 0);
