@@ -61,7 +61,9 @@ nlohmann::json CheckGivenPoses(const Run& run, const std::filesystem::path& matc
   if (fit->verdict == PoseVerdict::kHopeless && !run.options.frame.force) {
     throw InputError("{}: {}; --force trains with them as they are", run.Given().root.string(), misfit);
   }
-  if (!misfit.empty()) run.listener(Warning{misfit});
+  if (!misfit.empty()) {
+    run.listener(Warning{misfit + (run.plan.refines_poses ? "; what can be corrected is corrected before depth" : "")});
+  }
   nlohmann::json record = ToJson(*fit);
   record["warning"] = misfit;
   return record;
