@@ -38,7 +38,7 @@ inline RunRequest TinyRequest(const std::filesystem::path& scene, const std::fil
   request.scene = scene;
   request.out = out;
   request.version = "test";
-  request.options.input.refine_poses = PoseRefining::kOff;
+  request.options.depth.refine_poses = PoseRefining::kOff;
   request.options.start.init = StartKind::kRandom;
   request.options.split.test_every = 3;
   request.options.train.iterations = 30;

@@ -25,7 +25,7 @@ class PosesStageTest : public testing::Test {
 
   static RunRequest Request(const std::string& out) {
     RunRequest request = TinyRequest(*temp / "scene", *temp / out);
-    request.options.input.refine_poses = {};
+    request.options.depth.refine_poses = {};
     request.options.split = {};
     request.options.split.train_views = "010,011,013,014";
     request.options.split.test_views = "012";
@@ -125,7 +125,7 @@ TEST_F(PosesStageTest, ReadsRefinedPosesBackAndMendsDamage) {
 
 TEST_F(PosesStageTest, LeavesPosesAloneWhereItIsNotWanted) {
   RunRequest request = Request("none");
-  request.options.input.refine_poses = PoseRefining::kOff;
+  request.options.depth.refine_poses = PoseRefining::kOff;
   auto run = StartRun(request, Silent());
   EXPECT_FALSE(run.plan.refines_poses);
   GivePoints(&run, {});

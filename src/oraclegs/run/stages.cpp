@@ -10,11 +10,16 @@ namespace oraclegs {
 const std::vector<Stage>& Stages() {
   // name, version, needs, work
   static const std::vector<Stage> stages = {
-      {"register", 2, {}, RegisterStage()},          {"sfm", 1, {"register"}, SfmStage()},
-      {"poses", 1, {"sfm"}, PosesStage()},           {"depth", 5, {"sfm", "poses"}, DepthStage()},
-      {"proxies", 1, {"depth"}, ProxyStage()},       {"propose", 2, {"depth", "proxies"}, ProposeStage()},
-      {"validate", 4, {"propose"}, ValidateStage()}, {"train", 1, {"sfm", "depth", "validate"}, TrainStage()},
-      {"evaluate", 1, {"train"}, EvaluateStage()},   {"report", 1, {"evaluate"}, ReportStage()},
+      {"register", 2, {}, RegisterStage()},  // cameras of photos without poses
+      {"sfm", 1, {"register"}, SfmStage()},
+      {"poses", 1, {"sfm"}, PosesStage()},
+      {"depth", 5, {"sfm", "poses"}, DepthStage()},
+      {"proxies", 1, {"depth"}, ProxyStage()},
+      {"propose", 2, {"depth", "proxies"}, ProposeStage()},
+      {"validate", 4, {"propose"}, ValidateStage()},
+      {"train", 1, {"sfm", "depth", "validate"}, TrainStage()},
+      {"evaluate", 1, {"train"}, EvaluateStage()},
+      {"report", 1, {"evaluate"}, ReportStage()},
   };
   return stages;
 }

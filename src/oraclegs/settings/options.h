@@ -75,7 +75,6 @@ struct InputOptions {
   std::filesystem::path images;  ///< empty = the format's usual folder
   bool allow_outside = false;    ///< allows images outside the scene's folder
   PoseSource poses = PoseSource::kColmap;
-  Auto<PoseRefining> refine_poses;
   FrameKind frame = FrameKind::kNormal;
 
   template <class Self, class V>
@@ -86,10 +85,6 @@ struct InputOptions {
     visit("poses", self.poses,
           "What finds the cameras of photos without poses: colmap = structure from motion; vggt = the network, in one "
           "pass, also from photos that share too little for colmap");
-    visit(
-        "refine-poses", self.refine_poses,
-        "Correct the poses of the photos by what dense stereo sees: patches that lie beside their epipolar lines. on; "
-        "off; auto = where patches lie a quarter of a pixel beside them, or those of one photo half a pixel");
     visit(
         "frame", self.frame,
         "What a scene with poses is trained in: normal = moved and scaled so that the result does not depend on the "
@@ -170,6 +165,7 @@ struct StartOptions {
 
 struct DepthOptions {
   Auto<DepthPrior> depth_prior;
+  Auto<PoseRefining> refine_poses;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
@@ -178,6 +174,10 @@ struct DepthOptions {
           "aligned to the sparse points; fused = stereo where it is confident, elsewhere the network's, warped to fit "
           "stereo; auto = fused where the network's weights are, else stereo; none = no depth, which leaves a sparse "
           "start and no proposals but a generator's");
+    visit(
+        "refine-poses", self.refine_poses,
+        "Correct the poses of the photos by what dense stereo sees: patches that lie beside their epipolar lines. on; "
+        "off; auto = where patches lie a quarter of a pixel beside them, or those of one photo half a pixel");
   }
 };
 

@@ -55,7 +55,7 @@ void RequireGpuForLargeNetworks(const RunOptions& options, Plan* plan) {
 }  // namespace
 
 bool RefinesPoses(const RunOptions& options, const Plan& plan) {
-  const Auto<PoseRefining>& asked = options.input.refine_poses;
+  const Auto<PoseRefining>& asked = options.depth.refine_poses;
   const bool has_stereo = plan.needs_depth && plan.depth.prior != DepthPrior::kMonocular;
   if (asked == PoseRefining::kOn && !has_stereo) {
     throw UsageError("--refine-poses on: needs depth from stereo, which these options leave out; leave it out, too");

@@ -40,7 +40,7 @@ const char* WordOf(PoseRefinementResult result) {
 void AddPosesKey(Run* run, Fingerprint* key) {
   key->Add(ViewsKey(run, run->split.train, run->plan.image));
   key->Add(OptionsToJson(run->options.image).dump()).Add(OptionsToJson(run->options.stereo).dump());
-  key->Add(run->options.input.refine_poses == PoseRefining::kOn);
+  key->Add(run->options.depth.refine_poses == PoseRefining::kOn);
 }
 
 void UndoPoses(Run* run, const json&) {
@@ -99,7 +99,7 @@ PoseRefinement Refine(Run* run, std::vector<DepthMap>* stereo) {
   const std::vector<Camera> given = CamerasOf(views);
   *stereo = StereoOf(*run, views, "poses");
   PoseRefinementOptions options;
-  if (run->options.input.refine_poses == PoseRefining::kOn) options.gate = 0;
+  if (run->options.depth.refine_poses == PoseRefining::kOn) options.gate = 0;
   PoseRefinement first = RefinePoses(views, *stereo, options);
   if (first.result == PoseRefinementResult::kKept || first.result == PoseRefinementResult::kUnknown) return first;
   PoseRefinement refined = first;
