@@ -16,7 +16,7 @@ MODELS = ["depth-anything-v2-small", "seva", "sd21-vae", "openclip-vith14", "vgg
 PRESETS = ["paper", "paper-mipnerf360-12", "paper-mipnerf360-24", "paper-blender-8", "best-mipnerf360-12"]
 SMALL = ["--views", 10, "--test-every", 4, "--downscale", 1, "--set", "stereo-iterations=3", "--set", "stereo-passes=1",
          "--iterations", 20, "--max-gaussians", 1500, "--init", "hybrid", "--set", "proxy-models=3", "--proposals", 3, "--trajectory", "dataset",
-         "--seva-frames", 12, "--seva-short-side", 64, "--set", "seva-steps=2", "--candidates", 2]  # fmt: skip
+         "--seva-frames", 12, "--seva-short-side", 64, "--set", "seva-steps=2", "--set", "candidates=2"]  # fmt: skip
 
 
 class Networks(ManyViews):
@@ -125,8 +125,8 @@ class Networks(ManyViews):
 
     def test_three_images_and_no_depth_are_enough_for_a_generator(self):
         out = self.dir / "three"
-        self.run_program("reconstruct", self.scene, "-o", out, *SMALL, "--views", 3, "--proposers", "seva", "--candidates",
-                         1, "--depth-prior", "none", "--init", "random", "--oracle", "vggt", "--set", "calibrate=false",
+        self.run_program("reconstruct", self.scene, "-o", out, *SMALL, "--views", 3, "--proposers", "seva", "--set",
+                         "candidates=1", "--depth-prior", "none", "--init", "random", "--oracle", "vggt", "--set", "calibrate=false",
                          **self.with_models)  # fmt: skip
         self.assertEqual(len(list((out / "confidence").glob("*.png"))), 3)
 

@@ -53,7 +53,8 @@ struct SevaOptions {
     visit("seva-short-side", self.short_side, "Shorter side of the images that seva works on, a multiple of 64 is used",
           Range{64, 4096});
     visit("seva-steps", self.steps, "Denoising steps", Range{1, 1000}, Tier::kSetting);
-    visit("candidates", self.candidates, "Samples that seva draws for each view; the oracle picks", Range{1, 64});
+    visit("candidates", self.candidates, "Samples that seva draws for each view; the oracle picks", Range{1, 64},
+          Tier::kSetting);
     visit("seva-cfg", self.cfg, "Strength of classifier-free guidance, but for frames at the place of a photo",
           Range{0, 100}, Tier::kSetting);
     visit("seva-halves", self.halves,
