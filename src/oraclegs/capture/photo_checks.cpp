@@ -6,6 +6,7 @@
 #include <mutex>
 #include <string_view>
 
+#include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"

@@ -179,7 +179,7 @@ int PngGrayBits(std::string_view head) {
 
 bool PngMayBeTransparent(std::string_view head) {
   if (!IsPng(head) || head.size() <= kColorAt) return false;
-  const int color = head[kColorAt];
+  const auto color = static_cast<unsigned char>(head[kColorAt]);
   return color == PNG_COLOR_TYPE_PALETTE || (color & PNG_COLOR_MASK_ALPHA) != 0;
 }
 
