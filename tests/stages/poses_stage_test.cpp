@@ -137,7 +137,7 @@ TEST_F(PosesStageTest, SaysWhatNoSmallCorrectionMends) {
   auto run = StartDisturbed("far", 0.3, 0.15);
   Bring(&run, "poses");
   EXPECT_EQ(run.workspace.Record("poses").at("result"), "undone");
-  EXPECT_THAT(recorder.warnings, Contains(HasSubstr("no small correction mends them")));
+  EXPECT_THAT(recorder.warnings, Contains(HasSubstr("no small correction fixes them")));
   for (const SceneView& view : run.scene.views) {
     EXPECT_FALSE(view.cam_from_world->matrix().isApprox(Eigen::Matrix4d::Identity()));
   }

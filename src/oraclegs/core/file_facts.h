@@ -1,5 +1,5 @@
 #pragma once
-// What is known of files, read once while they stay as they are: photos are asked for their size and content by many.
+// Facts about files, read once while they stay as they are: photos are asked for their size and content by many.
 
 #include <array>
 #include <cstdint>
@@ -37,13 +37,13 @@ class FileFacts {
     Fact fact = read();
     if (StateOf(path) != state) return fact;
     const std::lock_guard lock(mutex_);
-    if (facts_.size() >= kMost) facts_.clear();
+    if (facts_.size() >= kMaxFacts) facts_.clear();
     facts_.insert_or_assign(*state, fact);
     return fact;
   }
 
  private:
-  static constexpr size_t kMost = 100'000;
+  static constexpr size_t kMaxFacts = 100'000;
 
   std::mutex mutex_;
   std::map<FileState, Fact> facts_;

@@ -170,7 +170,7 @@ std::string WarningOf(const json& record) {
   const std::string result = record.at("result");
   if (result == "undone") {
     return fmt::format(
-        "poses are off by {}, and no small correction mends them (the best would turn a camera by {:.1f} degrees and "
+        "poses are off by {}, and no small correction fixes them (the best would turn a camera by {:.1f} degrees and "
         "move one by {:.1f} % of the scene): they are kept as they are, and what they show may blur; find them anew "
         "from the photos alone",
         OffBy(record, "before"), WorstView(record, "degrees").value("degrees", 0.),

@@ -7,7 +7,7 @@ import {table} from './table.js';
 const TEXTS = {
   kept: 'The poses fit the photos: they are kept as they are.',
   refined: 'The poses were off, and were corrected before depth and training.',
-  undone: 'The poses are off, and no small correction mends them: they are kept, and what they show may blur.',
+  undone: 'The poses are off, and no small correction fixes them: they are kept, and what they show may blur.',
 };
 
 export function poses(run) {
