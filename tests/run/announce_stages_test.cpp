@@ -1,4 +1,4 @@
-#include "oraclegs/run/announce_stages.h"
+#include "oraclegs/run/stages.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -13,7 +13,6 @@
 #include "oraclegs/output/report/run_document.h"
 #include "oraclegs/proposers/proposer_rows.h"
 #include "oraclegs/render/constants.h"
-#include "oraclegs/run/announce_stages.h"
 #include "oraclegs/run/needed_photos.h"
 #include "oraclegs/run/network_needs.h"
 #include "oraclegs/run/stages.h"

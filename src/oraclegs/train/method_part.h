@@ -48,4 +48,9 @@ class MethodPart {
 
 using MethodParts = std::vector<std::shared_ptr<MethodPart>>;
 
+/// Runs what parts do before an iteration's view: Remove, after which the densifier begins anew where Gaussians went,
+/// and BeforeView. Returns the sum of their losses.
+double RunParts(const MethodParts& parts, const Iteration& iteration, Densifier* densifier, TrainedModel* model,
+                PartGradients* gradients);
+
 }  // namespace oraclegs

@@ -84,14 +84,8 @@ class CudaTrainDevice final : public TrainDevice {
   }
 
   void RunParts(const Iteration& iteration, TrainedModel* model) override {
-    loss_of_parts_ = 0;
     part_gradients_.clear();
-    const int64_t before = model->gaussians.size();
-    for (const std::shared_ptr<MethodPart>& part : parts_) part->Remove(iteration, model);
-    if (model->gaussians.size() != before) densifier_->Begin(model->gaussians.size());
-    for (const std::shared_ptr<MethodPart>& part : parts_) {
-      loss_of_parts_ += part->BeforeView(iteration, model, &part_gradients_);
-    }
+    loss_of_parts_ = oraclegs::RunParts(parts_, iteration, densifier_.get(), model, &part_gradients_);
   }
 
   Buffer<float> OpacityFactors(const OpacityPerturbation& perturbation, int64_t n) override {
