@@ -20,12 +20,14 @@ TEST(AttemptJournal, SurvivesItsFile) {
   journal.model = "models0/0";
   journal.database = "features0.db";
   journal.features = "usual features";
+  journal.left_out = {"a.jpg"};
   journal.folders = 3;
   WriteAttemptJournal(journal, dir.path());
   const AttemptJournal read = ReadAttemptJournal(dir.path());
   EXPECT_EQ(read.steps, journal.steps);
   ASSERT_EQ(read.records.size(), 1u);
   EXPECT_EQ(RecordToJson(read.records[0]), RecordToJson(journal.records[0]));
+  EXPECT_EQ(read.left_out, journal.left_out);
   EXPECT_EQ(read.model, journal.model);
   EXPECT_EQ(read.database, journal.database);
   EXPECT_EQ(read.features, journal.features);

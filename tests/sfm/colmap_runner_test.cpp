@@ -123,6 +123,46 @@ printf 'Registering image #9 (5)')");
                           "sfm 2/0 images, working", "sfm 3/0 images, working"));
 }
 
+TEST(ColmapRunner, ReportsTheProgressOfNewerVersions) {
+  const TempDir dir;
+  const FakeColmap fake(R"(cat <<'END'
+I20261128 13:20:01.123456 4711 feature_extraction.cc:271] Processed file [1/12]
+I20261128 13:20:02.123456 4711 incremental_pipeline.cc:607] Registering image #3 (num_reg_frames=2)
+END)");
+  const Steps steps;
+  ColmapRunner(dir.path(), steps.listener, "sfm").Run("feature_extractor", {}, "working");
+  EXPECT_THAT(steps.reported, ElementsAre("sfm 1/12 images, working", "sfm 1/0 images, working"));
+}
+
+TEST(ColmapRunner, AsksNewerVersionsByTheirNamesOfOptions) {
+  const TempDir dir;
+  const FakeColmap fake(R"(case "$*" in
+*--SiftMatching.use_gpu*)
+  echo "E20261128 13:20:01.1 4711 base_option_manager.cc:265] Failed to parse options - unknown option '--SiftMatching.use_gpu'." >&2
+  exit 1;;
+esac)");
+  const Listener silent = Silent();
+  const ColmapRunner colmap(dir.path(), silent, "sfm");
+  const ColmapOptions options{{"SiftMatching.use_gpu", "0"}, {"SiftMatching.max_ratio", "0.8"}};
+  colmap.Run("matcher", options, "matching");
+  colmap.Run("matcher", options, "matching again");
+  const std::string database = (dir / "database.db").string();
+  EXPECT_THAT(fake.Arguments(), ElementsAre("matcher", "--database_path", database, "--SiftMatching.max_ratio", "0.8",
+                                            "--SiftMatching.use_gpu", "0",  //
+                                            "matcher", "--database_path", database, "--SiftMatching.max_ratio", "0.8",
+                                            "--FeatureMatching.use_gpu", "0",  //
+                                            "matcher", "--database_path", database, "--SiftMatching.max_ratio", "0.8",
+                                            "--FeatureMatching.use_gpu", "0"))
+      << "one that was refused is not tried again";
+}
+
+TEST(ColmapRunner, ReportsAnOptionThatNoVersionIsKnownToHave) {
+  const TempDir dir;
+  const FakeColmap fake("echo \"Failed to parse options - unknown option '--Sift.unknown'.\" >&2; exit 1");
+  const Listener silent = Silent();
+  EXPECT_THAT(FailureOf(ColmapRunner(dir.path(), silent, "sfm")).last_line, HasSubstr("'--Sift.unknown'"));
+}
+
 TEST(ColmapRunner, CountsEachCommandFromOne) {
   const TempDir dir;
   const FakeColmap fake("echo 'Registering image #5 (1)'; echo \"$1 was here\" >&2");

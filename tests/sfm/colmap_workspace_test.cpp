@@ -193,20 +193,20 @@ TEST(MakeFolder, MakesParents) {
               StartsWith((dir / "a/b/file/c").string() + ": cannot be made: "));
 }
 
-TEST(MoveFolder, ReplacesTheTarget) {
+TEST(MoveTo, ReplacesTheTarget) {
   const TempDir dir;
   WriteText(dir / "models/0/new", "new");
   WriteText(dir / "sparse/0/old", "old");
-  MoveFolder(dir / "models/0", dir / "sparse/0");
+  MoveTo(dir / "models/0", dir / "sparse/0");
   EXPECT_FALSE(fs::exists(dir / "models/0"));
   EXPECT_FALSE(fs::exists(dir / "sparse/0/old"));
   EXPECT_EQ(ReadFile(dir / "sparse/0/new"), "new");
-  MoveFolder(dir / "sparse/0", dir / "x/y/z");  // the parents are made
+  MoveTo(dir / "sparse/0", dir / "x/y/z");  // the parents are made
   EXPECT_EQ(ReadFile(dir / "x/y/z/new"), "new");
-  EXPECT_THAT(MessageOf<RunError>([&] { MoveFolder(dir / "gone", dir / "there"); }),
+  EXPECT_THAT(MessageOf<RunError>([&] { MoveTo(dir / "gone", dir / "there"); }),
               AllOf(StartsWith((dir / "gone").string() + ": cannot be renamed"), HasSubstr((dir / "there").string())));
   WriteText(dir / "file", "x");
-  EXPECT_THAT(MessageOf<RunError>([&] { MoveFolder(dir / "x/y/z", dir / "file/z"); }), HasSubstr("Not a directory"));
+  EXPECT_THAT(MessageOf<RunError>([&] { MoveTo(dir / "x/y/z", dir / "file/z"); }), HasSubstr("Not a directory"));
 }
 
 TEST(ReadModel, UsesIndicesOfTheScene) {

@@ -176,8 +176,7 @@ TEST(RunAttempts, DiscardsAnUnsoundModel) {
   EXPECT_EQ(result.attempts[1].name, "relaxed");
   EXPECT_TRUE(result.attempts[1].kept);
   for (size_t i = 0; i < result.attempts.size(); ++i) EXPECT_EQ(result.attempts[i].kept, i == 1) << i;
-  EXPECT_EQ(fake.Count("feature_extractor"), 5) << "one image is missing: every set of features is tried";
-  EXPECT_EQ(fake.Count("matches_importer"), 1) << "the pairs of the missing one, once its intrinsics are known";
+  EXPECT_EQ(fake.Count("feature_extractor"), 3) << "one image is missing: other features are tried";
   EXPECT_THAT(FilesIn(dir.path()), ElementsAre("colmap.log", "database.db", "sparse"));
 }
 
@@ -276,11 +275,22 @@ TEST(RunAttempts, TriesNoMoreFeaturesForMatchesOfChance) {
 
 TEST(RunAttempts, LeavesOutAnImplausibleCamera) {
   const TempDir dir;
-  const FakeMapper fake("give odd /0", "image_deleter) give two ;;");
+  const FakeMapper fake("give odd /0", "image_deleter) give two ;; bundle_adjuster) give rich ;;");
   const AttemptResult result = RunAttempts({kNames, false, dir.path()}, Silent());
   EXPECT_EQ(result.best.registered(), 2);
+  EXPECT_EQ(result.best.points, 90) << "what is left is adjusted anew";
   EXPECT_TRUE(result.best.plausible_intrinsics);
   EXPECT_TRUE(result.attempts[0].kept);
+  EXPECT_EQ(result.left_out, std::vector<std::string>{kNames[2]});
+}
+
+TEST(RunAttempts, EndsWhereCostlyFeaturesAddNothing) {
+  const TempDir dir;
+  const FakeMapper fake("give two /0", "");
+  const AttemptResult result = RunAttempts({kNames, false, dir.path()}, Silent());
+  EXPECT_EQ(result.best.registered(), 2);
+  EXPECT_EQ(fake.Count("feature_extractor"), 3) << "usual, coarse and more features";
+  EXPECT_EQ(fake.Count("matches_importer"), 0);
 }
 
 TEST(RunAttempts, GoesOnWhereAnEarlierCallEnded) {
@@ -303,7 +313,7 @@ TEST(RunAttempts, GoesOnWhereAnEarlierCallEnded) {
   EXPECT_EQ(result.best.registered(), 2);
   EXPECT_EQ(result.attempts[0].name, "strict");
   EXPECT_TRUE(result.attempts[0].kept);
-  EXPECT_EQ(fake.Count("feature_extractor"), 4) << "the first set is not tried again";
+  EXPECT_EQ(fake.Count("feature_extractor"), 2) << "the first set is not tried again";
   EXPECT_EQ(ReadColmapImages(dir / "sparse" / "0").size(), 2u);
 }
 

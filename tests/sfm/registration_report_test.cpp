@@ -73,6 +73,17 @@ TEST(MakeReport, ExplainsMissingViews) {
   for (const std::string& warning : report.warnings) EXPECT_THAT(warning, Not(HasSubstr("\n")));
 }
 
+TEST(MakeReport, SaysWhosePhotoNeedsAnImpossibleCamera) {
+  AttemptResult result;
+  result.best.images = {{"a", {200, 6.5}}, {"b", {200, 6.5}}};
+  result.left_out = {"odd"};
+  const RegistrationReport report =
+      MakeReport({MakeView("a", 4000), MakeView("b", 4000), MakeView("odd", 4000, {{"a", 90, false}})}, result);
+  EXPECT_EQ(report.views[2].status, ViewStatus::kOddCamera);
+  EXPECT_THAT(WhyMissing(report), HasSubstr("odd (it fits the others only with a focal length"));
+  EXPECT_EQ(ReportToJson(report).at("views")[2].at("status"), "odd_camera");
+}
+
 TEST(MakeReport, NamesPhotosOfAnotherPlace) {
   const RegistrationReport report = ReportWith(
       {MakeView("x", 3000, {{"y", 200, false}, {"b", 17, false}}), MakeView("y", 3000, {{"x", 200, false}})});

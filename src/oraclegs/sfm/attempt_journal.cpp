@@ -45,6 +45,7 @@ AttemptJournal ReadAttemptJournal(const std::filesystem::path& folder) {
     json.at("model").get_to(journal.model);
     json.at("database").get_to(journal.database);
     json.at("features").get_to(journal.features);
+    json.at("left_out").get_to(journal.left_out);
     json.at("folders").get_to(journal.folders);
     return journal;
   } catch (const std::exception&) {
@@ -57,7 +58,8 @@ void WriteAttemptJournal(const AttemptJournal& journal, const std::filesystem::p
   for (const AttemptRecord& record : journal.records) records.push_back(RecordToJson(record));
   const nlohmann::json json{{"steps", journal.steps},       {"records", std::move(records)},
                             {"model", journal.model},       {"database", journal.database},
-                            {"features", journal.features}, {"folders", journal.folders}};
+                            {"features", journal.features}, {"left_out", journal.left_out},
+                            {"folders", journal.folders}};
   WriteFileAtomically(folder / kJournal, json.dump(1) + "\n");
 }
 

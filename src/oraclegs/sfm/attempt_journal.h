@@ -23,6 +23,7 @@ struct AttemptJournal {
   std::set<std::string> steps;  ///< that are finished, by names of the caller's
   std::vector<AttemptRecord> records;
   std::string model, database, features;  ///< folder, file and set of features of the best model; empty without one
+  std::vector<std::string> left_out;      ///< images that were left out of the best model for their camera
   int folders = 0;                        ///< folders of models that were made
 };
 

@@ -39,6 +39,13 @@ std::vector<double> GetSimpleRadial(sqlite3_stmt* row, int column) {
   return params;
 }
 
+bool HasColumn(const DatabaseFile& open, const char* table, const char* column) {
+  const DatabaseStatement rows(open, "SELECT 1 FROM pragma_table_info(?1) WHERE name = ?2");
+  sqlite3_bind_text(rows.get(), 1, table, -1, SQLITE_STATIC);
+  sqlite3_bind_text(rows.get(), 2, column, -1, SQLITE_STATIC);
+  return rows.Step();
+}
+
 void UpdateParams(const DatabaseFile& open, const std::map<uint32_t, std::vector<double>>& params, bool are_known) {
   open.Execute("BEGIN");
   for (const auto& [id, intrinsics] : params) {
@@ -218,14 +225,24 @@ int SetFocalGuess(const fs::path& database, double sides) {
 void NumberImagesByName(const fs::path& database) {
   constexpr int64_t kOutOfTheWay = int64_t{1} << 30;  // colmap allows ids up to 2^31 - 2
   const auto images = ReadDatabaseImages(database);
+  struct Numbers {
+    const char *table, *column;
+    bool is_new = false;  // of COLMAP 4, in which all data are images of cameras
+  };
+  constexpr Numbers kNumbers[] = {{"images", "image_id"},
+                                  {"keypoints", "image_id"},
+                                  {"descriptors", "image_id"},
+                                  {"frame_data", "data_id", true},
+                                  {"pose_priors", "corr_data_id", true}};
   const DatabaseFile open(database);
   open.Execute("BEGIN");
-  for (const char* table : {"images", "keypoints", "descriptors"}) {
-    open.Execute(fmt::format("UPDATE {} SET image_id = image_id + {}", table, kOutOfTheWay).c_str());
+  for (const auto& [table, id, is_new] : kNumbers) {
+    if (is_new && !HasColumn(open, table, id)) continue;
+    open.Execute(fmt::format("UPDATE {0} SET {1} = {1} + {2}", table, id, kOutOfTheWay).c_str());
     int64_t number = 0;
     for (const auto& [name, image] : images) {
       open.Execute(
-          fmt::format("UPDATE {} SET image_id = {} WHERE image_id = {}", table, ++number, image.image_id + kOutOfTheWay)
+          fmt::format("UPDATE {0} SET {1} = {2} WHERE {1} = {3}", table, id, ++number, image.image_id + kOutOfTheWay)
               .c_str());
     }
   }

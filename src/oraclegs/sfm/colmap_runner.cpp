@@ -4,6 +4,9 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <map>
+#include <mutex>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -29,7 +32,8 @@ std::string Readable(const std::string& line) {
   return line.substr(has_prefix && end != std::string::npos ? end + 2 : begin);
 }
 
-/// Follows one command's lines: "Processed file [3/12]", "Matching block [1/1, 1/1]", "Registering image #7 (4)".
+/// Follows one command's lines: "Processed file [3/12]", "Matching block [1/1, 1/1]" ("Processing block" since COLMAP
+/// 3.9), "Registering image #7 (4)".
 class ProgressReader {
  public:
   /// `listed`: pairs of a list, that are matched.
@@ -41,18 +45,20 @@ class ProgressReader {
   }
 
   void operator()(const std::string& line) {
-    if (std::string readable = Readable(line); !readable.empty()) last_line_ = std::move(readable);
+    const std::string said = Readable(line);
+    if (said.empty()) return;
+    last_line_ = said;
     int done = 0, total = 0;
-    if (std::sscanf(line.c_str(), "Processed file [%d/%d]", &done, &total) == 2) {
+    if (std::sscanf(said.c_str(), "Processed file [%d/%d]", &done, &total) == 2) {
       listener_(StepDone{stage_, done, total, "images", what_});
     } else if (int column = 0, columns = 0;
-               std::sscanf(line.c_str(), "Matching block [%d/%d, %d/%d]", &done, &total, &column, &columns) == 4) {
+               std::sscanf(said.c_str(), "%*s block [%d/%d, %d/%d]", &done, &total, &column, &columns) == 4) {
       if (blocks_.images > 1) {  // the line ends when the block is done
         listener_(StepDone{stage_, blocks_.PairsUpTo(done, column), blocks_.pairs(), "pairs", what_});
       }
-    } else if (listed_ > 0 && std::sscanf(line.c_str(), "Matching block [%d/%d]", &done, &total) == 2 && total > 0) {
+    } else if (listed_ > 0 && std::sscanf(said.c_str(), "%*s block [%d/%d]", &done, &total) == 2 && total > 0) {
       listener_(StepDone{stage_, listed_ * done / total, listed_, "pairs", what_});
-    } else if (line.rfind("Registering image #", 0) == 0 || line.rfind("Triangulating image #", 0) == 0) {
+    } else if (said.rfind("Registering image #", 0) == 0 || said.rfind("Triangulating image #", 0) == 0) {
       listener_(StepDone{stage_, ++images_, 0, "images", what_});
     }
   }
@@ -67,6 +73,51 @@ class ProgressReader {
   std::string last_line_;
   int images_ = 0;
 };
+
+/// Options by their names of COLMAP 3.8, which this program uses, and by those of newer versions.
+constexpr std::pair<std::string_view, std::string_view> kNewNames[] = {
+    {"SiftExtraction.use_gpu", "FeatureExtraction.use_gpu"},
+    {"SiftExtraction.num_threads", "FeatureExtraction.num_threads"},
+    {"SiftExtraction.max_image_size", "FeatureExtraction.max_image_size"},
+    {"SiftMatching.use_gpu", "FeatureMatching.use_gpu"},
+    {"SiftMatching.num_threads", "FeatureMatching.num_threads"},
+    {"SiftMatching.guided_matching", "FeatureMatching.guided_matching"},
+    {"SiftMatching.min_num_inliers", "TwoViewGeometry.min_num_inliers"},
+    {"SiftMatching.min_inlier_ratio", "TwoViewGeometry.min_inlier_ratio"},
+    {"Mapper.fix_existing_images", "Mapper.fix_existing_frames"},
+};
+
+/// Old names that a colmap has refused: it is asked by the new ones from then on, in this process.
+class RefusedNames {
+ public:
+  std::string NameFor(const std::string& colmap, const std::string& option) {
+    const std::lock_guard lock(mutex_);
+    return refused_[colmap].count(option) > 0 ? std::string(NewName(option)) : option;
+  }
+
+  /// True where colmap's last line refuses an option by its old name for the first time.
+  bool Learn(const std::string& colmap, const std::string& last_line) {
+    constexpr std::string_view kRefusal = " option '--";
+    const size_t begin = last_line.find(kRefusal);
+    if (begin == std::string::npos) return false;
+    std::string option = last_line.substr(begin + kRefusal.size());
+    option.resize(std::min(option.size(), option.find('\'')));
+    const std::lock_guard lock(mutex_);
+    return !NewName(option).empty() && refused_[colmap].insert(std::move(option)).second;
+  }
+
+ private:
+  static std::string_view NewName(std::string_view option) {
+    for (const auto& [old_name, new_name] : kNewNames) {
+      if (option == old_name) return new_name;
+    }
+    return "";
+  }
+
+  std::mutex mutex_;
+  std::map<std::string, std::set<std::string>> refused_;  // by the program's path
+};
+RefusedNames g_refused_names;
 
 /// As many threads as fit into half of the free memory.
 int ExtractionThreads() {
@@ -133,9 +184,12 @@ void ColmapRunner::Run(const std::string& command, const ColmapOptions& options,
   Execute({"colmap", command, "--database_path", database().string()}, options, {what, {}, 0});
 }
 
-void ColmapRunner::Execute(std::vector<std::string> argv, const ColmapOptions& options, const Task& task) const {
+void ColmapRunner::Execute(const std::vector<std::string>& command_line, const ColmapOptions& options,
+                           const Task& task) const {
+  const std::string program = FindProgram("colmap").string();
+  std::vector<std::string> argv = command_line;
   for (const auto& [name, value] : options) {
-    argv.push_back("--" + name);
+    argv.push_back("--" + g_refused_names.NameFor(program, name));
     argv.push_back(value);
   }
   ProgressReader progress(stage_, label_ + task.what, task.blocks, task.pairs, listener_);
@@ -164,6 +218,7 @@ void ColmapRunner::Execute(std::vector<std::string> argv, const ColmapOptions& o
          progress.last_line());
   }
   if (result.exit_code == 0) return;
+  if (g_refused_names.Learn(program, progress.last_line())) return Execute(command_line, options, task);
   if (IsDiskFull(result.output)) Stop(command, "found no space left on the disk; make room", progress.last_line());
   if (result.output.find("disk I/O error") != std::string::npos) {
     Stop(command, "could not write to the disk; check it, and make room there", progress.last_line());

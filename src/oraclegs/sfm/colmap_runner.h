@@ -89,7 +89,8 @@ class ColmapRunner {
     MatchingBlocks blocks;
     int64_t pairs = 0;  ///< pairs of a list that it matches
   };
-  void Execute(std::vector<std::string> argv, const ColmapOptions& options, const Task& task) const;
+  /// Runs a command line with these options, which newer versions of colmap get by their own names.
+  void Execute(const std::vector<std::string>& command_line, const ColmapOptions& options, const Task& task) const;
   [[noreturn]] void Stop(const std::string& command, const std::string& why, const std::string& last_line) const;
 
   std::filesystem::path work_dir_;

@@ -116,7 +116,7 @@ void RestoreImages(const Scene& scene, const std::vector<int>& views, const std:
   if (!std::all_of(plan.begin(), plan.end(), is_there)) StageImages(scene, views, plan, work_dir);
 }
 
-void MoveFolder(const fs::path& from, const fs::path& to) {
+void MoveTo(const fs::path& from, const fs::path& to) {
   std::error_code error;
   fs::create_directories(to.parent_path(), error);
   if (!error) fs::remove_all(to, error);

@@ -36,8 +36,8 @@ void RestoreImages(const Scene& scene, const std::vector<int>& views, const std:
                    const std::filesystem::path& work_dir);
 /// Creates a folder and its parents. Throws RunError.
 void MakeFolder(const std::filesystem::path& dir);
-/// Renames a folder, in place of what stands at `to`. Throws RunError.
-void MoveFolder(const std::filesystem::path& from, const std::filesystem::path& to);
+/// Renames a file or folder, in place of what stands at `to`. Throws RunError.
+void MoveTo(const std::filesystem::path& from, const std::filesystem::path& to);
 
 /// The model in work_dir/sparse/0 in terms of `scene`: which of its views the model's images are, and the points with
 /// indices of `scene`.

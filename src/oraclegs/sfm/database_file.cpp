@@ -1,6 +1,7 @@
 #include "oraclegs/sfm/database_file.h"
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
 
 namespace oraclegs {
 
@@ -40,6 +41,20 @@ bool DatabaseStatement::Step() const {
   const int code = sqlite3_step(handle_.get());
   if (code != SQLITE_ROW && code != SQLITE_DONE) database_.Fail();
   return code == SQLITE_ROW;
+}
+
+void RemoveDatabase(const std::filesystem::path& database) {
+  for (const char* end : {"", "-wal", "-shm", "-journal"}) {
+    std::error_code error;
+    std::filesystem::remove(database.string() + end, error);
+    if (error) throw RunError("{}: cannot be removed: {}", database.string(), SystemReason(error));
+  }
+}
+
+void CopyDatabase(const std::filesystem::path& from, const std::filesystem::path& to) {
+  std::error_code error;
+  std::filesystem::copy_file(from, to, std::filesystem::copy_options::overwrite_existing, error);
+  if (error) throw RunError("{}: cannot be copied to {}: {}", from.string(), to.string(), SystemReason(error));
 }
 
 }  // namespace oraclegs

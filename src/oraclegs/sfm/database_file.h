@@ -71,4 +71,10 @@ inline int GetCount(sqlite3_stmt* row, int column) {
   return static_cast<int>(std::clamp<int64_t>(sqlite3_column_int64(row, column), 0, kPairBase));
 }
 
+/// Removes a database with what SQLite keeps beside it, where it is. Throws RunError.
+void RemoveDatabase(const std::filesystem::path& database);
+
+/// Copies a database that nobody has open over what is at `to`. Throws RunError.
+void CopyDatabase(const std::filesystem::path& from, const std::filesystem::path& to);
+
 }  // namespace oraclegs

@@ -15,6 +15,7 @@
 #include "oraclegs/sfm/colmap_database.h"
 #include "oraclegs/sfm/colmap_runner.h"
 #include "oraclegs/sfm/colmap_workspace.h"
+#include "oraclegs/sfm/database_file.h"
 #include "oraclegs/sfm/pair_evidence.h"
 #include "oraclegs/sfm/retry_schedule.h"
 
@@ -23,32 +24,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// A step of the journal: costly features added no photo to a model, and the search is over.
+constexpr char kAddsNothing[] = "costly features add nothing";
+
 /// A model with the database that its keypoints are of, and how these were found.
 struct Candidate {
   fs::path model, database;
   ModelQuality quality;
   FeatureSet set;
+  std::vector<std::string> left_out = {};  ///< images that were in it with an implausible camera
 };
-
-void Rename(const fs::path& from, const fs::path& to) {
-  std::error_code error;
-  fs::rename(from, to, error);
-  if (error) throw RunError("{}: cannot be renamed: {}", from.string(), SystemReason(error));
-}
-
-void RemoveDatabase(const fs::path& database) {
-  for (const char* end : {"", "-wal", "-shm", "-journal"}) {
-    std::error_code error;
-    fs::remove(database.string() + end, error);
-    if (error) throw RunError("{}: cannot be removed: {}", database.string(), SystemReason(error));
-  }
-}
-
-void Copy(const fs::path& from, const fs::path& to) {
-  std::error_code error;
-  fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
-  if (error) throw RunError("{}: cannot be copied to {}: {}", from.string(), to.string(), SystemReason(error));
-}
 
 /// All that the attempts write lies in AttemptsFolder(work_dir), a database for each set of features.
 class AttemptRunner {
@@ -65,10 +50,11 @@ class AttemptRunner {
       if (schedule[i].is_learned && !request_.find_features) continue;
       if (i > 0 && !IsWorthTrying(schedule[i], best_.quality, images(), Evidence())) continue;
       TrySet(schedule[i], i);
+      if (IsDone(kAddsNothing)) break;
     }
     // Last, because what it lets in is less certain than what other features find.
     try {
-      Rematch();
+      if (!IsDone(kAddsNothing)) Rematch();
     } catch (const ColmapFailure&) {
       // The model that was found before is kept.
     }
@@ -79,7 +65,7 @@ class AttemptRunner {
           crash_, (request_.work_dir / "colmap.log").string());
     }
     Keep();
-    return {best_.quality, std::move(journal_.records)};
+    return {best_.quality, std::move(journal_.records), best_.left_out};
   }
 
  private:
@@ -100,17 +86,15 @@ class AttemptRunner {
                   set == 0 ? "" : fmt::format("attempt {} of at most {}, {}: ", number, most, schedule[set].name));
   }
 
-  std::string Registered() const {
-    return fmt::format("{} of {} photos are registered", IsSound(best_.quality) ? best_.quality.registered() : 0,
-                       images());
-  }
+  int registered() const { return IsSound(best_.quality) ? best_.quality.registered() : 0; }
 
   /// Takes up what an earlier call has finished.
   void Resume() {
     journal_ = ReadAttemptJournal(folder_);
     if (journal_.model.empty()) return;
     try {
-      best_ = {folder_ / journal_.model, folder_ / journal_.database, MeasureModel(folder_ / journal_.model), {}};
+      const fs::path model = folder_ / journal_.model;
+      best_ = {model, folder_ / journal_.database, MeasureModel(model), {}, journal_.left_out};
       for (const FeatureSet& set : RegistrationSchedule()) {
         if (set.name == journal_.features) best_.set = set;
       }
@@ -139,15 +123,20 @@ class AttemptRunner {
       Gather(Colmap(number).database());
       return;
     }
-    if (number > 0) listener_(Note{fmt::format("{}; trying again with {}", Registered(), set.name)});
-    const int crashes = crashes_;
+    if (number > 0) {
+      listener_(
+          Note{fmt::format("{} of {} photos are registered; trying again with {}", registered(), images(), set.name)});
+    }
+    const int crashes = crashes_, before = registered();
     try {
       Try(set, Colmap(number), number == 0);
     } catch (const ColmapFailure& failure) {
       if (number == 0) throw;  // later sets are optional
       NoteCrash(failure);
     }
-    if (crashes_ == crashes) MarkStep(set.name);
+    if (crashes_ != crashes) return;
+    MarkStep(set.name);
+    if (set.needs_link && before > 0 && registered() <= before) MarkStep(kAddsNothing);
   }
 
   /// The first set is matched in any case: its matches say why images are missing.
@@ -181,7 +170,7 @@ class AttemptRunner {
   void Learn(const FeatureSet& set, const ColmapRunner& colmap) {
     if (IsDone(set.name + ", matched")) return;
     RemoveDatabase(colmap.database());  // what a stopped run left has some of them
-    Copy(first_database_, colmap.database());
+    CopyDatabase(first_database_, colmap.database());
     AddLearnedFeatures(colmap, request_.find_features, listener_);
     MarkStep(set.name + ", matched");
   }
@@ -237,16 +226,24 @@ class AttemptRunner {
     journal_.model = best_.model.lexically_relative(folder_).string();
     journal_.database = best_.database.filename().string();
     journal_.features = best_.set.name;
+    journal_.left_out = best_.left_out;
   }
 
+  /// Adjusts anew what is left: the others' poses were found together with the camera that is left out.
   void ConsiderPlausiblePart(const Candidate& candidate, AttemptRecord* record) {
-    const fs::path part = NewModelFolder(), names = part / "left_out.txt";
+    const fs::path part = NewModelFolder(), adjusted = NewModelFolder(), names = part / "left_out.txt";
     std::string list;
     for (const std::string& name : candidate.quality.implausible_images) list += name + "\n";
     WriteFileAtomically(names, list);
     const ColmapRunner colmap = Colmap(candidate.database.stem().string());
     colmap.Delete(candidate.model, names, part);
-    if (IsColmapModel(part)) Consider({part, candidate.database, MeasureModel(part), candidate.set}, record);
+    if (!IsColmapModel(part)) return;
+    colmap.AdjustBundle(part, adjusted);
+    if (!IsColmapModel(adjusted)) return;
+    Candidate rest{adjusted, candidate.database, MeasureModel(adjusted), candidate.set, candidate.left_out};
+    const std::vector<std::string>& odd = candidate.quality.implausible_images;
+    rest.left_out.insert(rest.left_out.end(), odd.begin(), odd.end());
+    Consider(rest, record);
   }
 
   void Map(const FeatureSet& set, const MapperAttempt& attempt, const ColmapRunner& colmap) {
@@ -258,7 +255,7 @@ class AttemptRunner {
     try {
       if (attempt.focal_guess > 0) {
         const ColmapRunner guess = Colmap("focal_guess", colmap.label());
-        Copy(colmap.database(), guess.database());
+        CopyDatabase(colmap.database(), guess.database());
         if (SetFocalGuess(guess.database(), attempt.focal_guess) == 0) return;  // every focal length is known
         guess.Run("mapper", options, "registering, " + attempt.name);
       } else {
@@ -316,7 +313,7 @@ class AttemptRunner {
     const auto pairs = PairsOfMissing(request_.names, best_.quality);
     if (pairs.empty()) return;
     const ColmapRunner rematched = Colmap(best_.database.stem().string() + "_rematched");
-    Copy(colmap.database(), rematched.database());
+    CopyDatabase(colmap.database(), rematched.database());
     const auto stored = ReadDatabaseImages(rematched.database());
     SetDatabaseCameras(rematched.database(), ReadColmapCameras(best_.model));
     std::vector<std::pair<uint32_t, uint32_t>> ids;
@@ -338,8 +335,8 @@ class AttemptRunner {
   /// Moves the best model to its place and removes the rest.
   void Keep() {
     if (!IsSound(best_.quality)) best_ = {};
-    if (!best_.model.empty()) MoveFolder(best_.model, request_.work_dir / "sparse" / "0");
-    Rename(best_.database.empty() ? first_database_ : best_.database, request_.work_dir / "database.db");
+    if (!best_.model.empty()) MoveTo(best_.model, request_.work_dir / "sparse" / "0");
+    MoveTo(best_.database.empty() ? first_database_ : best_.database, request_.work_dir / "database.db");
     RemoveAttempts(request_.work_dir);
   }
 

@@ -24,6 +24,7 @@ struct AttemptRequest {
 struct AttemptResult {
   ModelQuality best;  ///< quality of the model in work_dir/sparse/0; unsound when there is none
   std::vector<AttemptRecord> attempts;
+  std::vector<std::string> left_out = {};  ///< images that the best model would have with an implausible camera
 };
 
 /// Follows the schedule until it is enough, or until the matches say that no more can help. Steps that an earlier call,

@@ -29,9 +29,10 @@ std::vector<std::string> RegisteredAround(const RegistrationReport& report, size
   return names;
 }
 
-/// `registered`: the images of the model.
-ViewStatus StatusOfMissing(const ViewReport& view, const std::map<std::string, RegisteredImage>& registered) {
+ViewStatus StatusOfMissing(const ViewReport& view, const AttemptResult& result) {
+  const std::map<std::string, RegisteredImage>& registered = result.best.images;
   if (!view.same_as.empty()) return ViewStatus::kDuplicate;
+  if (std::count(result.left_out.begin(), result.left_out.end(), view.name) > 0) return ViewStatus::kOddCamera;
   const int most = view.neighbors.empty() ? 0 : view.neighbors[0].inliers;
   if (view.features < kMinFeaturesToMatch || (view.features < kMinFeatures && most < kMinMatchesToRegister)) {
     return ViewStatus::kFewFeatures;
@@ -73,6 +74,8 @@ std::string Advice(const RegistrationReport& report, size_t index) {
     case ViewStatus::kElsewhere:
       return fmt::format("take photos between it and {}, or leave it out if it shows another place",
                          around.empty() ? "the registered ones" : around[0]);
+    case ViewStatus::kOddCamera:
+      return "take it again as the others were taken: with the same lens, not cropped, and closer to one of them";
     case ViewStatus::kPureRotation:
       return "move sideways, do not only turn the camera";
   }
@@ -95,6 +98,8 @@ std::string StatusWord(ViewStatus verdict) {
       return "pure_rotation";
     case ViewStatus::kElsewhere:
       return "elsewhere";
+    case ViewStatus::kOddCamera:
+      return "odd_camera";
     case ViewStatus::kDoesNotFit:
       return "does_not_fit";
   }
@@ -119,6 +124,8 @@ std::string Why(const ViewReport& view) {
     case ViewStatus::kElsewhere:
       return fmt::format("{} matches with {}, but hardly any with a registered photo", view.neighbors[0].inliers,
                          view.neighbors[0].name);
+    case ViewStatus::kOddCamera:
+      return "it fits the others only with a focal length or a distortion that no lens has";
     case ViewStatus::kDoesNotFit:
       return fmt::format("{} matches with {}, but too few to place it", view.neighbors[0].inliers,
                          view.neighbors[0].name);
@@ -182,7 +189,7 @@ RegistrationReport MakeReport(std::vector<ViewReport> views, const AttemptResult
                      [](const Neighbor& a, const Neighbor& b) { return a.inliers > b.inliers; });
     const auto found = result.best.images.find(view.name);
     if (found == result.best.images.end()) {
-      view.status = StatusOfMissing(view, result.best.images);
+      view.status = StatusOfMissing(view, result);
       continue;
     }
     view.status = ViewStatus::kRegistered;

@@ -26,7 +26,8 @@ struct FeatureSet {
   ColmapOptions extraction, matching;
   std::vector<MapperAttempt> attempts;
   int max_images = 0;       ///< too slow for more images than this
-  bool needs_link = false;  ///< useless where no links make a model (LinksMakeAModel)
+  bool needs_link = false;  ///< costly: useless where no links make a model (LinksMakeAModel), and the last tried where
+                            ///< it adds no image to one
   bool is_learned = false;  ///< the first set's features and a network's
 };
 

@@ -66,7 +66,7 @@ void Triangulate(const Scene& scene, const std::vector<int>& views, const std::v
               {"Mapper.ba_refine_extra_params", "0"},
               {"Mapper.fix_existing_images", "1"}},
              "triangulating");
-  MoveFolder(made, work_dir / "sparse" / "0");
+  MoveTo(made, work_dir / "sparse" / "0");
 }
 
 }  // namespace
