@@ -7,6 +7,7 @@
 #include "scene/tiny_scenes.h"
 #include "support/errors.h"
 #include "support/event_recorder.h"
+#include "support/golden.h"
 #include "support/temp_dir.h"
 
 namespace oraclegs {
@@ -166,6 +167,25 @@ TEST_F(ReadColmapSceneTest, ReadsWrittenTracks) {
   EXPECT_EQ(scene.points[0].xyz, points[0].xyz);
   EXPECT_EQ(scene.points[0].rgb, points[0].rgb);
   EXPECT_EQ(scene.points[1].views, (std::vector<int>{0, 1}));
+}
+
+/// A model that COLMAP 4.2 wrote, with rigs and frames beside what older versions write.
+TEST(ReadColmapModel, ReadsModelsOfColmap4) {
+  for (const fs::path& model : {GoldenDir() / "colmap4", GoldenDir() / "colmap4" / "text"}) {
+    const ColmapCameras cameras = ReadColmapCameras(model);
+    ASSERT_EQ(cameras.size(), 2u) << model;
+    EXPECT_THAT(cameras.at(1).params, ElementsAre(90, 50, 40, .01));
+    EXPECT_EQ(cameras.at(2).model, CameraModel::kOpenCv);
+    const std::vector<ColmapImage> images = ReadColmapImages(model);
+    ASSERT_EQ(images.size(), 3u) << model;
+    EXPECT_EQ(images[1].name, "sub/b.jpg");
+    EXPECT_EQ(images[2].id, 5u);
+    EXPECT_EQ(images[2].camera_id, 2u);
+    EXPECT_EQ(images[2].cam_from_world.translation(), Eigen::Vector3d(-1, .2, .04));
+    const std::vector<ColmapPoint> points = ReadColmapPoints(model);
+    ASSERT_EQ(points.size(), 2u) << model;
+    EXPECT_THAT(points[1].image_ids, ElementsAre(1, 2, 5));
+  }
 }
 
 }  // namespace

@@ -313,11 +313,14 @@ TEST(NumberImagesByName, KeepsTheFramesOfColmap4WithTheirImages) {
       "CREATE TABLE frame_data (frame_id INTEGER, data_id INTEGER, sensor_id INTEGER, sensor_type INTEGER);"
       "CREATE UNIQUE INDEX frame_sensor_assignment ON frame_data(data_id, sensor_type);"
       "INSERT INTO frame_data VALUES (1, 1, 1, 0), (2, 2, 4, 0), (3, 7, 1, 0);"
+      "CREATE TABLE frames (frame_id INTEGER PRIMARY KEY, rig_id INTEGER);"
+      "INSERT INTO frames VALUES (1, 11), (2, 12), (3, 13);"
       "CREATE TABLE pose_priors (pose_prior_id INTEGER, corr_data_id INTEGER, corr_sensor_type INTEGER);"
       "INSERT INTO pose_priors VALUES (9, 7, 0);");
   NumberImagesByName(path);
   EXPECT_EQ(Sqlite(path).Rows("SELECT frame_id, name FROM frame_data JOIN images ON data_id = image_id ORDER BY 1"),
-            (Rows{"1|camera0/b.png", "2|camera1/c.png", "3|camera0/a.png"}));
+            (Rows{"1|camera0/a.png", "2|camera0/b.png", "3|camera1/c.png"}));
+  EXPECT_EQ(Sqlite(path).Rows("SELECT frame_id, rig_id FROM frames ORDER BY 1"), (Rows{"1|13", "2|11", "3|12"}));
   EXPECT_EQ(Sqlite(path).Rows("SELECT name FROM pose_priors JOIN images ON corr_data_id = image_id"),
             (Rows{"camera0/a.png"}));
 }

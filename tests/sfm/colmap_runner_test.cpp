@@ -138,7 +138,7 @@ TEST(ColmapRunner, AsksNewerVersionsByTheirNamesOfOptions) {
   const TempDir dir;
   const FakeColmap fake(R"(case "$*" in
 *--SiftMatching.use_gpu*)
-  echo "E20261128 13:20:01.1 4711 base_option_manager.cc:265] Failed to parse options - unknown option '--SiftMatching.use_gpu'." >&2
+  printf "\\033[0;31mE20261128 13:20:01.1 4711 manager.cc:265] Failed to parse - unknown option '--SiftMatching.use_gpu'.\\n\\033[m" >&2
   exit 1;;
 esac)");
   const Listener silent = Silent();

@@ -246,6 +246,15 @@ void NumberImagesByName(const fs::path& database) {
               .c_str());
     }
   }
+  if (HasColumn(open, "frame_data", "frame_id")) {  // a frame for each image, which models without frames number alike
+    open.Execute(fmt::format("UPDATE frames SET frame_id = frame_id + {0};"
+                             "UPDATE frame_data SET frame_id = frame_id + {0};"
+                             "UPDATE frames SET frame_id = "
+                             "(SELECT data_id FROM frame_data WHERE frame_data.frame_id = frames.frame_id);"
+                             "UPDATE frame_data SET frame_id = data_id",
+                             kOutOfTheWay)
+                     .c_str());
+  }
   open.Execute("COMMIT");
 }
 

@@ -21,9 +21,19 @@
 namespace oraclegs {
 namespace {
 
-/// A line for people: without the blanks before it and glog's "F20261122 08:06:59.9 11264 sfm.cc:473] "; "" of
+/// The line without what sets the color of a terminal ("\033[0;31m"), as newer versions write it even into a pipe.
+std::string WithoutColor(std::string line) {
+  for (size_t begin = 0, end = 0; (begin = line.find("\033[", begin)) != std::string::npos;) {
+    end = line.find('m', begin);
+    line.erase(begin, end == std::string::npos ? end : end + 1 - begin);
+  }
+  return line;
+}
+
+/// A line for people: without colors, the blanks before it and glog's "F20261122 08:06:59.9 11264 sfm.cc:473] "; "" of
 /// the stack of a crash, which follows the line with its cause.
-std::string Readable(const std::string& line) {
+std::string Readable(const std::string& colored) {
+  const std::string line = WithoutColor(colored);
   const size_t begin = line.find_first_not_of(" \t");
   if (begin == std::string::npos || line[begin] == '@' || line.compare(begin, 3, "***") == 0) return "";
   const size_t end = line.find("] ");
