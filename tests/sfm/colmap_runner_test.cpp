@@ -156,13 +156,6 @@ esac)");
       << "one that was refused is not tried again";
 }
 
-TEST(ColmapRunner, ReportsAnOptionThatNoVersionIsKnownToHave) {
-  const TempDir dir;
-  const FakeColmap fake("echo \"Failed to parse options - unknown option '--Sift.unknown'.\" >&2; exit 1");
-  const Listener silent = Silent();
-  EXPECT_THAT(FailureOf(ColmapRunner(dir.path(), silent, "sfm")).last_line, HasSubstr("'--Sift.unknown'"));
-}
-
 TEST(ColmapRunner, CountsEachCommandFromOne) {
   const TempDir dir;
   const FakeColmap fake("echo 'Registering image #5 (1)'; echo \"$1 was here\" >&2");

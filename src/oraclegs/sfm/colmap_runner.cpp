@@ -4,9 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <map>
-#include <mutex>
-#include <set>
 #include <string_view>
 #include <utility>
 
@@ -16,6 +13,7 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/sfm/colmap_database.h"
+#include "oraclegs/sfm/colmap_option_names.h"
 #include "oraclegs/sfm/colmap_workspace.h"
 
 namespace oraclegs {
@@ -84,49 +82,6 @@ class ProgressReader {
   int images_ = 0;
 };
 
-/// Options by their names of COLMAP 3.8, which this program uses, and by those of newer versions.
-constexpr std::pair<std::string_view, std::string_view> kNewNames[] = {
-    {"SiftExtraction.use_gpu", "FeatureExtraction.use_gpu"},
-    {"SiftExtraction.num_threads", "FeatureExtraction.num_threads"},
-    {"SiftExtraction.max_image_size", "FeatureExtraction.max_image_size"},
-    {"SiftMatching.use_gpu", "FeatureMatching.use_gpu"},
-    {"SiftMatching.num_threads", "FeatureMatching.num_threads"},
-    {"SiftMatching.guided_matching", "FeatureMatching.guided_matching"},
-    {"SiftMatching.min_num_inliers", "TwoViewGeometry.min_num_inliers"},
-    {"SiftMatching.min_inlier_ratio", "TwoViewGeometry.min_inlier_ratio"},
-    {"Mapper.fix_existing_images", "Mapper.fix_existing_frames"},
-};
-
-/// Old names that a colmap has refused: it is asked by the new ones from then on, in this process.
-class RefusedNames {
- public:
-  std::string NameFor(const std::string& colmap, const std::string& option) {
-    const std::lock_guard lock(mutex_);
-    return refused_[colmap].count(option) > 0 ? std::string(NewName(option)) : option;
-  }
-
-  /// True where colmap's last line refuses an option by its old name for the first time.
-  bool Learn(const std::string& colmap, const std::string& last_line) {
-    constexpr std::string_view kRefusal = " option '--";
-    const size_t begin = last_line.find(kRefusal);
-    if (begin == std::string::npos) return false;
-    std::string option = last_line.substr(begin + kRefusal.size());
-    option.resize(std::min(option.size(), option.find('\'')));
-    const std::lock_guard lock(mutex_);
-    return !NewName(option).empty() && refused_[colmap].insert(std::move(option)).second;
-  }
-
- private:
-  static std::string_view NewName(std::string_view option) {
-    for (const auto& [old_name, new_name] : kNewNames) {
-      if (option == old_name) return new_name;
-    }
-    return "";
-  }
-
-  std::mutex mutex_;
-  std::map<std::string, std::set<std::string>> refused_;  // by the program's path
-};
 RefusedNames g_refused_names;
 
 /// As many threads as fit into half of the free memory.
