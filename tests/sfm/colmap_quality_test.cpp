@@ -46,6 +46,7 @@ TEST(MeasureModel, MeasuresParallaxPerImageAndOverall) {
   EXPECT_NEAR(model.reprojection_error, .3, 1e-12);
   EXPECT_NEAR(model.images.at("2.png").parallax_degrees, 45, 1e-9);
   EXPECT_NEAR(model.images.at("3.png").parallax_degrees, 60, 1e-9);
+  EXPECT_NEAR(model.images.at("2.png").nearest_degrees, 45, 1e-9);
   EXPECT_EQ(model.images.at("1.png").points, 2);
   EXPECT_EQ(model.images.at("4.png").points, 0);
   EXPECT_EQ(model.images.at("4.png").parallax_degrees, 0);
@@ -81,6 +82,13 @@ TEST(MeasureModel, ReadsAModelFolder) {
   EXPECT_EQ(model.points, 1);
   EXPECT_EQ(model.reprojection_error, .5);
   EXPECT_THAT(MessageOf<InputError>([&] { MeasureModel(dir / "nowhere"); }), testing::HasSubstr("nowhere"));
+}
+
+TEST(MisplacedViews, HaveNoDepthWhereOthersHaveMuch) {
+  EXPECT_EQ(MisplacedViews({.6, .02, .5, .3}), std::vector<size_t>{1});
+  EXPECT_TRUE(MisplacedViews({.6, .1, .5, .3}).empty());
+  EXPECT_TRUE(MisplacedViews({.04, .02, .05, .3}).empty()) << "these photos show no depth anyway";
+  EXPECT_TRUE(MisplacedViews({}).empty());
 }
 
 TEST(IsSound, RequiresImagesPointsAnglesAndIntrinsics) {

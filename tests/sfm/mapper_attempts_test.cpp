@@ -176,7 +176,8 @@ TEST(RunAttempts, DiscardsAnUnsoundModel) {
   EXPECT_EQ(result.attempts[1].name, "relaxed");
   EXPECT_TRUE(result.attempts[1].kept);
   for (size_t i = 0; i < result.attempts.size(); ++i) EXPECT_EQ(result.attempts[i].kept, i == 1) << i;
-  EXPECT_EQ(fake.Count("feature_extractor"), 3) << "one image is missing: other features are tried";
+  EXPECT_EQ(fake.Count("feature_extractor"), 5) << "one image is missing: every set of features is tried";
+  EXPECT_EQ(fake.Count("matches_importer"), 1) << "the pairs of the missing one, once its intrinsics are known";
   EXPECT_THAT(FilesIn(dir.path()), ElementsAre("colmap.log", "database.db", "sparse"));
 }
 
@@ -284,10 +285,30 @@ TEST(RunAttempts, LeavesOutAnImplausibleCamera) {
   EXPECT_EQ(result.left_out, std::vector<std::string>{kNames[2]});
 }
 
+TEST(RunAttempts, LeavesOutWhatNoDepthConfirms) {
+  for (const bool is_strict : {true, false}) {
+    const TempDir dir;
+    WritePhotos(dir.path());
+    const FakeMapper fake(is_strict ? "give three /0" : "case $n in 1) exit 1;; *) give three /0;; esac",
+                          "image_deleter) give two ;; bundle_adjuster) give two ;;");
+    AttemptRequest request{kNames, false, dir.path()};
+    request.confirmed_shares = [](const Scene& model) {
+      EXPECT_EQ(model.views.size(), 3u);
+      return std::vector<double>{.5, .6, .02};
+    };
+    const AttemptResult result = RunAttempts(request, Silent());
+    EXPECT_EQ(result.best.registered(), is_strict ? 3 : 2) << "strict thresholds need no proof";
+    EXPECT_EQ(result.left_out.size(), is_strict ? 0u : 1u);
+    EXPECT_TRUE(result.attempts.back().kept);
+  }
+}
+
 TEST(RunAttempts, EndsWhereCostlyFeaturesAddNothing) {
   const TempDir dir;
   const FakeMapper fake("give two /0", "");
-  const AttemptResult result = RunAttempts({kNames, false, dir.path()}, Silent());
+  std::vector<std::string> names = kNames;
+  for (int i = 3; i <= kMaxImagesForAllFeatures; ++i) names.push_back(fmt::format("camera0/{}.png", i));
+  const AttemptResult result = RunAttempts({names, false, dir.path()}, Silent());
   EXPECT_EQ(result.best.registered(), 2);
   EXPECT_EQ(fake.Count("feature_extractor"), 3) << "usual, coarse and more features";
   EXPECT_EQ(fake.Count("matches_importer"), 0);
@@ -313,7 +334,7 @@ TEST(RunAttempts, GoesOnWhereAnEarlierCallEnded) {
   EXPECT_EQ(result.best.registered(), 2);
   EXPECT_EQ(result.attempts[0].name, "strict");
   EXPECT_TRUE(result.attempts[0].kept);
-  EXPECT_EQ(fake.Count("feature_extractor"), 2) << "the first set is not tried again";
+  EXPECT_EQ(fake.Count("feature_extractor"), 4) << "the first set is not tried again";
   EXPECT_EQ(ReadColmapImages(dir / "sparse" / "0").size(), 2u);
 }
 

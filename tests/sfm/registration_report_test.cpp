@@ -73,15 +73,27 @@ TEST(MakeReport, ExplainsMissingViews) {
   for (const std::string& warning : report.warnings) EXPECT_THAT(warning, Not(HasSubstr("\n")));
 }
 
-TEST(MakeReport, SaysWhosePhotoNeedsAnImpossibleCamera) {
+TEST(MakeReport, SaysWhichPhotoHasNoCameraThatCanBeRight) {
   AttemptResult result;
   result.best.images = {{"a", {200, 6.5}}, {"b", {200, 6.5}}};
   result.left_out = {"odd"};
   const RegistrationReport report =
       MakeReport({MakeView("a", 4000), MakeView("b", 4000), MakeView("odd", 4000, {{"a", 90, false}})}, result);
-  EXPECT_EQ(report.views[2].status, ViewStatus::kOddCamera);
-  EXPECT_THAT(WhyMissing(report), HasSubstr("odd (it fits the others only with a focal length"));
-  EXPECT_EQ(ReportToJson(report).at("views")[2].at("status"), "odd_camera");
+  EXPECT_EQ(report.views[2].status, ViewStatus::kNoCamera);
+  EXPECT_THAT(WhyMissing(report), HasSubstr("odd (its matches ask for a lens that there is not"));
+  EXPECT_EQ(ReportToJson(report).at("views")[2].at("status"), "no_camera");
+}
+
+TEST(MakeReport, DoubtsAPhotoThatSharesThingsFromTooFarOnly) {
+  AttemptResult result;
+  result.best.parallax_degrees = 20;
+  result.best.images = {{"a", {200, 65, 20}}, {"b", {200, 65, 20}}, {"far", {110, 65, 63}}};
+  const RegistrationReport report =
+      MakeReport({MakeView("a", 4000), MakeView("b", 4000), MakeView("far", 4000, {{"b", 90, false}})}, result);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_THAT(report.warnings[0],
+              HasSubstr("the poses are doubtful: far sees what it shares with others from 63 degrees"));
+  EXPECT_THAT(report.warnings[0], HasSubstr("between it and b"));
 }
 
 TEST(MakeReport, NamesPhotosOfAnotherPlace) {

@@ -15,6 +15,9 @@ namespace fs = std::filesystem;
 constexpr int kMinPointsPerImage = 6;       // a pose has six degrees of freedom, a point seen twice fixes one
 constexpr double kMinParallax = .25;        // degrees; half a pixel of a phone's image is about 0.02
 constexpr double kClearlyMorePoints = 1.1;  // matching differs by a few percent from run to run
+// Views of right models of 4 to 16 photos have 0.10 to 0.83 of their depth confirmed, misplaced ones 0.02 to 0.03.
+constexpr double kMisplacedConfirmed = .05, kUsualConfirmed = .2;
+constexpr double kMaxAngle = 180;  // degrees
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 
 double AngleDegrees(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -45,7 +48,7 @@ ModelQuality MeasureModel(const ColmapCameras& cameras, const std::vector<Colmap
     model.plausible_intrinsics = false;
     model.implausible_images.push_back(image.name);
   }
-  std::vector<std::vector<double>> angles(images.size());
+  std::vector<std::vector<double>> angles(images.size()), nearest_angles(images.size());
   std::vector<double> widest_angles;
   for (const ColmapPoint& point : points) {
     std::vector<size_t> track;
@@ -58,11 +61,15 @@ ModelQuality MeasureModel(const ColmapCameras& cameras, const std::vector<Colmap
     if (track.size() < 2 || !point.xyz.allFinite()) continue;
     double widest_of_all = 0;
     for (const size_t i : track) {
-      double widest = 0;
+      double widest = 0, nearest = kMaxAngle;
       for (const size_t j : track) {
-        widest = std::max(widest, AngleDegrees(centers[i] - point.xyz, centers[j] - point.xyz));
+        if (j == i) continue;
+        const double angle = AngleDegrees(centers[i] - point.xyz, centers[j] - point.xyz);
+        widest = std::max(widest, angle);
+        nearest = std::min(nearest, angle);
       }
       angles[i].push_back(widest);
+      nearest_angles[i].push_back(nearest);
       widest_of_all = std::max(widest_of_all, widest);
     }
     widest_angles.push_back(widest_of_all);
@@ -73,7 +80,7 @@ ModelQuality MeasureModel(const ColmapCameras& cameras, const std::vector<Colmap
   model.parallax_degrees = UpperMedian(std::move(widest_angles));
   for (size_t i = 0; i < images.size(); ++i) {
     const int seen = static_cast<int>(angles[i].size());
-    model.images[images[i].name] = {seen, UpperMedian(std::move(angles[i]))};
+    model.images[images[i].name] = {seen, UpperMedian(std::move(angles[i])), UpperMedian(std::move(nearest_angles[i]))};
   }
   return model;
 }
@@ -91,6 +98,15 @@ bool HasPlausiblePart(const ModelQuality& model) {
   const auto implausible = static_cast<int>(model.implausible_images.size());
   const int plausible = model.registered() - implausible;
   return implausible > 0 && plausible >= 2 && plausible > implausible;
+}
+
+std::vector<size_t> MisplacedViews(const std::vector<double>& confirmed_shares) {
+  if (UpperMedian(confirmed_shares) < kUsualConfirmed) return {};
+  std::vector<size_t> misplaced;
+  for (size_t view = 0; view < confirmed_shares.size(); ++view) {
+    if (confirmed_shares[view] < kMisplacedConfirmed) misplaced.push_back(view);
+  }
+  return misplaced;
 }
 
 bool IsBetter(const ModelQuality& a, const ModelQuality& b) {

@@ -2,11 +2,13 @@
 // How good a model is that colmap made: what attempts are compared by, and what is reported of each image.
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "oraclegs/scene/colmap_model.h"
+#include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
 
@@ -15,6 +17,7 @@ struct RegisteredImage {
   int points = 0;  ///< that it saw
   /// Median over them of the widest angle between this view's ray and another's; 0 without points.
   double parallax_degrees = 0;
+  double nearest_degrees = 0;  ///< likewise of the narrowest angle
 };
 
 struct ModelQuality {
@@ -45,6 +48,12 @@ bool IsSound(const ModelQuality& model);
 /// True when a model would be plausible without the images of `implausible_images`: they are the fewer, and two or more
 /// are left.
 bool HasPlausiblePart(const ModelQuality& model);
+
+/// By view of a scene, the share of its pixels whose depth dense stereo finds and confirms.
+using ConfirmedShares = std::function<std::vector<double>(const Scene& model)>;
+
+/// Views with next to no confirmed depth where most views have much: they stand at a wrong place, or show another one.
+std::vector<size_t> MisplacedViews(const std::vector<double>& confirmed_shares);
 
 /// True when `a` is to be kept rather than `b`: a sound one before one that is not, then more images, then clearly
 /// more points, then the smaller reprojection error.

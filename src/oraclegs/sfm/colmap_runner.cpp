@@ -250,11 +250,18 @@ void ColmapRunner::AdjustBundle(const std::filesystem::path& model, const std::f
           {"adjusting", {}, 0});
 }
 
-void ColmapRunner::Delete(const std::filesystem::path& model, const std::filesystem::path& list,
-                          const std::filesystem::path& rest) const {
+std::filesystem::path ColmapRunner::WithoutImages(const std::filesystem::path& model,
+                                                  const std::vector<std::string>& names,
+                                                  const std::filesystem::path& folder) const {
+  const std::filesystem::path list = folder / "left_out.txt", rest = folder / "rest", adjusted = folder / "adjusted";
+  WriteFileAtomically(list, fmt::format("{}\n", fmt::join(names, "\n")));
+  for (const std::filesystem::path& made : {rest, adjusted}) MakeFolder(made);
   Execute({"colmap", "image_deleter"},
           {{"input_path", model.string()}, {"output_path", rest.string()}, {"image_names_path", list.string()}},
           {"leaving photos out", {}, 0});
+  if (!IsColmapModel(rest)) return {};
+  AdjustBundle(rest, adjusted);
+  return IsColmapModel(adjusted) ? adjusted : std::filesystem::path();
 }
 
 }  // namespace oraclegs

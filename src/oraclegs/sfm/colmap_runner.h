@@ -74,9 +74,10 @@ class ColmapRunner {
   void ImportMatches(const std::filesystem::path& list, int64_t pairs, const std::string& what) const;
   /// Poses, intrinsics and points of a model refined together; reads no database.
   void AdjustBundle(const std::filesystem::path& model, const std::filesystem::path& adjusted) const;
-  /// A model without the images whose names `list` has, one a line; reads no database.
-  void Delete(const std::filesystem::path& model, const std::filesystem::path& list,
-              const std::filesystem::path& rest) const;
+  /// The model without images of these names, adjusted anew, since the poses of the others were found together with
+  /// theirs; reads no database. It is written below `folder`; empty where colmap leaves no model.
+  std::filesystem::path WithoutImages(const std::filesystem::path& model, const std::vector<std::string>& names,
+                                      const std::filesystem::path& folder) const;
   /// Any command that works on the database; an interrupt ends it. Throws ColmapFailure when it ends with an error, and
   /// RunError when it was killed, did nothing for StallLimit() or printed nothing for half an hour, or the disk is
   /// full.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/scene/read_colmap.h"
+#include "oraclegs/sfm/best_model.h"
 #include "oraclegs/sfm/choose_pairs.h"
 #include "oraclegs/sfm/colmap_database.h"
 #include "oraclegs/sfm/colmap_runner.h"
@@ -27,28 +29,20 @@ namespace fs = std::filesystem;
 /// A step of the journal: costly features added no photo to a model, and the search is over.
 constexpr char kAddsNothing[] = "costly features add nothing";
 
-/// A model with the database that its keypoints are of, and how these were found.
-struct Candidate {
-  fs::path model, database;
-  ModelQuality quality;
-  FeatureSet set;
-  std::vector<std::string> left_out = {};  ///< images that were in it with an implausible camera
-};
-
 /// All that the attempts write lies in AttemptsFolder(work_dir), a database for each set of features.
 class AttemptRunner {
  public:
   AttemptRunner(const AttemptRequest& request, const Listener& listener)
-      : request_(request), listener_(listener), folder_(AttemptsFolder(request.work_dir)) {}
+      : request_(request), listener_(listener), folder_(AttemptsFolder(request.work_dir)), best_(folder_) {}
 
   AttemptResult Run() {
     MakeFolder(folder_);
-    Resume();
+    best_.Resume();
     const std::vector<FeatureSet>& schedule = RegistrationSchedule();
     first_database_ = Colmap(0).database();
     for (size_t i = 0; i < schedule.size(); ++i) {
       if (schedule[i].is_learned && !request_.find_features) continue;
-      if (i > 0 && !IsWorthTrying(schedule[i], best_.quality, images(), Evidence())) continue;
+      if (i > 0 && !IsWorthTrying(schedule[i], best_.quality(), images(), Evidence())) continue;
       TrySet(schedule[i], i);
       if (IsDone(kAddsNothing)) break;
     }
@@ -58,17 +52,22 @@ class AttemptRunner {
     } catch (const ColmapFailure&) {
       // The model that was found before is kept.
     }
-    if (!IsSound(best_.quality) && !crash_.empty()) {
+    if (!IsSound(best_.quality()) && !crash_.empty()) {
       throw RunError(
           "{}; run the same command again, which repeats only what crashed; if that does not help, install another "
           "version of colmap; see {}",
           crash_, (request_.work_dir / "colmap.log").string());
     }
+    LeaveOutMisplaced();
     Keep();
-    return {best_.quality, std::move(journal_.records), best_.left_out};
+    if (!IsSound(best_.quality())) return {{}, journal().records};
+    return {best_.quality(), journal().records, best_.candidate().left_out};
   }
 
  private:
+  AttemptJournal& journal() { return best_.journal(); }
+  const AttemptJournal& journal() const { return best_.journal(); }
+
   int images() const { return static_cast<int>(request_.names.size()); }
 
   ColmapRunner Colmap(const std::string& database, const std::string& label = "") const {
@@ -86,29 +85,11 @@ class AttemptRunner {
                   set == 0 ? "" : fmt::format("attempt {} of at most {}, {}: ", number, most, schedule[set].name));
   }
 
-  int registered() const { return IsSound(best_.quality) ? best_.quality.registered() : 0; }
-
-  /// Takes up what an earlier call has finished.
-  void Resume() {
-    journal_ = ReadAttemptJournal(folder_);
-    if (journal_.model.empty()) return;
-    try {
-      const fs::path model = folder_ / journal_.model;
-      best_ = {model, folder_ / journal_.database, MeasureModel(model), {}, journal_.left_out};
-      for (const FeatureSet& set : RegistrationSchedule()) {
-        if (set.name == journal_.features) best_.set = set;
-      }
-    } catch (const InputError&) {
-      journal_ = {};  // all is made again
-      best_ = {};
-    }
-  }
-
-  bool IsDone(const std::string& step) const { return journal_.steps.count(step) > 0; }
+  bool IsDone(const std::string& step) const { return journal().steps.count(step) > 0; }
 
   void MarkStep(const std::string& step) {
-    journal_.steps.insert(step);
-    WriteAttemptJournal(journal_, folder_);
+    journal().steps.insert(step);
+    WriteAttemptJournal(journal(), folder_);
   }
 
   /// A crash says nothing of the photos: what was begun is no finished step, and the next call makes it again.
@@ -124,10 +105,10 @@ class AttemptRunner {
       return;
     }
     if (number > 0) {
-      listener_(
-          Note{fmt::format("{} of {} photos are registered; trying again with {}", registered(), images(), set.name)});
+      listener_(Note{
+          fmt::format("{} of {} photos are registered; trying again with {}", best_.registered(), images(), set.name)});
     }
-    const int crashes = crashes_, before = registered();
+    const int crashes = crashes_, before = best_.registered();
     try {
       Try(set, Colmap(number), number == 0);
     } catch (const ColmapFailure& failure) {
@@ -136,7 +117,8 @@ class AttemptRunner {
     }
     if (crashes_ != crashes) return;
     MarkStep(set.name);
-    if (set.needs_link && before > 0 && registered() <= before) MarkStep(kAddsNothing);
+    const bool is_costly = set.needs_link && images() > kMaxImagesForAllFeatures;
+    if (is_costly && before > 0 && best_.registered() <= before) MarkStep(kAddsNothing);
   }
 
   /// The first set is matched in any case: its matches say why images are missing.
@@ -156,7 +138,7 @@ class AttemptRunner {
     }
     Gather(colmap.database());
     for (const MapperAttempt& attempt : set.attempts) {
-      if (IsEnough(best_.quality, images()) || !has_pairs_) break;
+      if (IsEnough(best_.quality(), images()) || !has_pairs_) break;
       const std::string step = set.name + ", " + attempt.name;
       if (IsDone(step)) continue;
       const int crashes = crashes_;
@@ -188,7 +170,7 @@ class AttemptRunner {
     one_place_ = AreFromOnePoint(pairs);
   }
 
-  MatchEvidence Evidence() const { return EvidenceOf(links_, best_.quality, one_place_); }
+  MatchEvidence Evidence() const { return EvidenceOf(links_, best_.quality(), one_place_); }
 
   /// False when what is missing has too few features for any matching.
   bool CanMatch(const ColmapRunner& colmap) const {
@@ -198,56 +180,34 @@ class AttemptRunner {
       const auto count = counts.find(image.image_id);
       by_name[name] = count == counts.end() ? 0 : count->second;
     }
-    return CanMatchMissing(by_name, best_.quality);
+    return CanMatchMissing(by_name, best_.quality());
   }
 
-  fs::path NewModelFolder() {
-    fs::path dir = folder_ / fmt::format("models{}", journal_.folders++);
-    MakeFolder(dir);
-    return dir;
-  }
-
-  /// Records one model, and takes it when it is better, without the few cameras of it that are implausible.
-  void Consider(const Candidate& candidate, AttemptRecord* record) {
-    if (HasPlausiblePart(candidate.quality)) {
-      ConsiderPlausiblePart(candidate, record);
-      return;
+  /// Leaves out photos that relaxed thresholds have let in at a wrong place.
+  void LeaveOutMisplaced() {
+    const FeatureSet& usual = RegistrationSchedule()[0];
+    const auto is_strict = [&](const AttemptRecord& record) {
+      return record.kept && record.features == usual.name && record.name == usual.attempts[0].name;
+    };
+    if (!request_.confirmed_shares || !IsSound(best_.quality()) || best_.registered() > kMaxImagesForRetries) return;
+    if (std::any_of(journal().records.begin(), journal().records.end(), is_strict)) return;
+    const Scene model = ReadColmapScene(best_.candidate().model, request_.work_dir / "images", Silent());
+    listener_(StepDone{"register", best_.registered(), 0, "images", "checking places by depth"});
+    const std::vector<double> shares = request_.confirmed_shares(model);
+    std::vector<std::string> misplaced;
+    for (const size_t view : MisplacedViews(shares)) misplaced.push_back(model.views[view].name);
+    if (misplaced.empty() || best_.registered() < static_cast<int>(misplaced.size()) + 2) return;
+    AttemptRecord record{best_.candidate().set.name, "without misplaced photos"};
+    try {
+      best_.LeaveOut(misplaced, Colmap(0), &record);
+    } catch (const ColmapFailure&) {
+      // They stay.
     }
-    if (candidate.quality.registered() > record->registered) {
-      record->registered = candidate.quality.registered();
-      record->points = candidate.quality.points;
-      record->reprojection_error = candidate.quality.reprojection_error;
-      record->parallax_degrees = candidate.quality.parallax_degrees;
-    }
-    if (!IsSound(candidate.quality) || !IsBetter(candidate.quality, best_.quality)) return;
-    best_ = candidate;
-    for (AttemptRecord& other : journal_.records) other.kept = false;
-    record->kept = true;
-    journal_.model = best_.model.lexically_relative(folder_).string();
-    journal_.database = best_.database.filename().string();
-    journal_.features = best_.set.name;
-    journal_.left_out = best_.left_out;
-  }
-
-  /// Adjusts anew what is left: the others' poses were found together with the camera that is left out.
-  void ConsiderPlausiblePart(const Candidate& candidate, AttemptRecord* record) {
-    const fs::path part = NewModelFolder(), adjusted = NewModelFolder(), names = part / "left_out.txt";
-    std::string list;
-    for (const std::string& name : candidate.quality.implausible_images) list += name + "\n";
-    WriteFileAtomically(names, list);
-    const ColmapRunner colmap = Colmap(candidate.database.stem().string());
-    colmap.Delete(candidate.model, names, part);
-    if (!IsColmapModel(part)) return;
-    colmap.AdjustBundle(part, adjusted);
-    if (!IsColmapModel(adjusted)) return;
-    Candidate rest{adjusted, candidate.database, MeasureModel(adjusted), candidate.set, candidate.left_out};
-    const std::vector<std::string>& odd = candidate.quality.implausible_images;
-    rest.left_out.insert(rest.left_out.end(), odd.begin(), odd.end());
-    Consider(rest, record);
+    journal().records.push_back(std::move(record));
   }
 
   void Map(const FeatureSet& set, const MapperAttempt& attempt, const ColmapRunner& colmap) {
-    const fs::path models = NewModelFolder();
+    const fs::path models = best_.NewModelFolder();
     ColmapOptions options = attempt.options;
     options["image_path"] = colmap.images().string();
     options["output_path"] = models.string();
@@ -267,29 +227,30 @@ class AttemptRunner {
     for (int i = 0; IsColmapModel(models / std::to_string(i)); ++i) {
       const fs::path model = models / std::to_string(i);
       try {
-        Consider({model, colmap.database(), MeasureModel(model), set}, &record);
+        best_.Consider({model, colmap.database(), MeasureModel(model), set}, colmap, &record);
       } catch (const InputError&) {
         // A mapper that was killed while it wrote leaves half a model; the others are used.
       } catch (const ColmapFailure&) {
         // The model cannot be had without its implausible cameras.
       }
     }
-    journal_.records.push_back(std::move(record));
+    journal().records.push_back(std::move(record));
   }
 
   /// Registers into the best model what is missing, when that model is of this database's keypoints.
   void RegisterRemaining(const FeatureSet& set, const ColmapRunner& colmap) {
-    if (!IsSound(best_.quality) || best_.quality.registered() >= images()) return;
-    if (best_.database != colmap.database()) return;
+    if (!IsSound(best_.quality()) || best_.registered() >= images()) return;
+    if (best_.candidate().database != colmap.database()) return;
     AttemptRecord record{set.name, "remaining images"};
-    const fs::path registered = NewModelFolder(), triangulated = NewModelFolder(), adjusted = NewModelFolder();
+    const fs::path registered = best_.NewModelFolder(), triangulated = best_.NewModelFolder(),
+                   adjusted = best_.NewModelFolder();
     ColmapOptions options = RemainingImagesOptions();
-    options["input_path"] = best_.model.string();
+    options["input_path"] = best_.candidate().model.string();
     options["output_path"] = registered.string();
     try {
       colmap.Run("image_registrator", options, "registering the remaining photos");
       if (!IsColmapModel(registered) ||
-          ReadColmapImages(registered).size() <= static_cast<size_t>(best_.quality.registered())) {
+          ReadColmapImages(registered).size() <= static_cast<size_t>(best_.registered())) {
         return;
       }
       options["image_path"] = colmap.images().string();
@@ -297,46 +258,47 @@ class AttemptRunner {
       options["output_path"] = triangulated.string();
       colmap.Run("point_triangulator", options, "triangulating");
       colmap.AdjustBundle(triangulated, adjusted);
-      Consider({adjusted, colmap.database(), MeasureModel(adjusted), set}, &record);
+      best_.Consider({adjusted, colmap.database(), MeasureModel(adjusted), set}, colmap, &record);
     } catch (const ColmapFailure&) {
       // The model that was found before is kept.
     }
-    journal_.records.push_back(std::move(record));
+    journal().records.push_back(std::move(record));
   }
 
   /// With known intrinsics, verification asks for one motion of that camera, so weaker matches can be let in.
   void Rematch() {
-    if (IsEnough(best_.quality, images()) || !IsSound(best_.quality)) return;
-    if (best_.set.is_learned) return;  // colmap cannot match a network's features
-    const ColmapRunner colmap = Colmap(best_.database.stem().string());
+    if (IsEnough(best_.quality(), images()) || !IsSound(best_.quality())) return;
+    if (best_.candidate().set.is_learned) return;  // colmap cannot match a network's features
+    const ColmapRunner colmap = Colmap(best_.candidate().database.stem().string());
     if (!CanMatch(colmap) || !LinksMakeAModel(Evidence(), images())) return;
-    const auto pairs = PairsOfMissing(request_.names, best_.quality);
+    const auto pairs = PairsOfMissing(request_.names, best_.quality());
     if (pairs.empty()) return;
-    const ColmapRunner rematched = Colmap(best_.database.stem().string() + "_rematched");
+    const ColmapRunner rematched = Colmap(best_.candidate().database.stem().string() + "_rematched");
     CopyDatabase(colmap.database(), rematched.database());
     const auto stored = ReadDatabaseImages(rematched.database());
-    SetDatabaseCameras(rematched.database(), ReadColmapCameras(best_.model));
+    SetDatabaseCameras(rematched.database(), ReadColmapCameras(best_.candidate().model));
     std::vector<std::pair<uint32_t, uint32_t>> ids;
     for (const auto& [a, b] : pairs) {
       if (stored.count(a) > 0 && stored.count(b) > 0) ids.emplace_back(stored.at(a).image_id, stored.at(b).image_id);
     }
     RemoveMatches(rematched.database(), ids);
     rematched.MatchPairs(pairs, RematchOptions(), "matching again");
-    FeatureSet set = best_.set;
+    FeatureSet set = best_.candidate().set;
     set.name += ", matched again";
-    best_.database = rematched.database();  // the keypoints are the same
+    best_.SetDatabase(rematched.database());  // the keypoints are the same
     RegisterRemaining(set, rematched);
     for (const MapperAttempt& attempt : set.attempts) {
-      if (attempt.focal_guess > 0 || IsEnough(best_.quality, images())) continue;
+      if (attempt.focal_guess > 0 || IsEnough(best_.quality(), images())) continue;
       Map(set, attempt, rematched);
     }
   }
 
   /// Moves the best model to its place and removes the rest.
   void Keep() {
-    if (!IsSound(best_.quality)) best_ = {};
-    if (!best_.model.empty()) MoveTo(best_.model, request_.work_dir / "sparse" / "0");
-    MoveTo(best_.database.empty() ? first_database_ : best_.database, request_.work_dir / "database.db");
+    const Candidate& best = best_.candidate();
+    const bool is_sound = IsSound(best.quality);
+    if (is_sound) MoveTo(best.model, request_.work_dir / "sparse" / "0");
+    MoveTo(is_sound ? best.database : first_database_, request_.work_dir / "database.db");
     RemoveAttempts(request_.work_dir);
   }
 
@@ -344,10 +306,9 @@ class AttemptRunner {
   const Listener& listener_;
   const fs::path folder_;
   fs::path first_database_;
-  Candidate best_;
+  BestModel best_;
   int crashes_ = 0;
-  std::string crash_;  ///< the last one
-  AttemptJournal journal_;
+  std::string crash_;                           ///< the last one
   ImageLinks links_;                            ///< links found by any set of features
   bool has_pairs_ = false, one_place_ = false;  ///< by the set that was tried last
 };

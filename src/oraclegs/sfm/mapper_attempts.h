@@ -19,12 +19,13 @@ struct AttemptRequest {
   std::filesystem::path work_dir;
   std::map<std::string, double> focal_priors = {};  ///< pixels, by name of the image, where EXIF says it
   FeatureFinder find_features = {};                 ///< a network's; empty = there is none
+  ConfirmedShares confirmed_shares = {};            ///< finds misplaced images; empty = nothing does
 };
 
 struct AttemptResult {
   ModelQuality best;  ///< quality of the model in work_dir/sparse/0; unsound when there is none
   std::vector<AttemptRecord> attempts;
-  std::vector<std::string> left_out = {};  ///< images that the best model would have with an implausible camera
+  std::vector<std::string> left_out = {};  ///< images without a camera that can be right
 };
 
 /// Follows the schedule until it is enough, or until the matches say that no more can help. Steps that an earlier call,

@@ -140,8 +140,10 @@ RegistrationReport Register(const Scene& photos, const Distinct& distinct, const
   }
   std::map<std::string, RegisteredImage> by_view_name;
   for (size_t i = 0; i < plan.size(); ++i) {
+    const std::string& name = photos.views[distinct.views[i]].name;
     const auto found = result.best.images.find(plan[i].name);
-    if (found != result.best.images.end()) by_view_name[photos.views[distinct.views[i]].name] = found->second;
+    if (found != result.best.images.end()) by_view_name[name] = found->second;
+    std::replace(result.left_out.begin(), result.left_out.end(), plan[i].name, name);
   }
   result.best.images = std::move(by_view_name);
   RegistrationReport report = MakeReport(GatherEvidence(photos, distinct, plan, work_dir), result);
@@ -176,7 +178,7 @@ void RequireColmap(const Scene& photos) {
 }  // namespace
 
 Scene RegisterViews(const Scene& photos, const fs::path& work_dir, const Listener& listener,
-                    const FeatureFinder& find_features) {
+                    const FeatureFinder& find_features, const ConfirmedShares& confirmed_shares) {
   const nlohmann::json inputs = DescribeInputs(photos, AllViews(photos));
   const Distinct distinct = FindDistinct(photos, inputs);
   if (distinct.views.size() < 2 && photos.views.size() >= 2) {
@@ -201,6 +203,7 @@ Scene RegisterViews(const Scene& photos, const fs::path& work_dir, const Listene
       AttemptRequest request;
       request.work_dir = work_dir;
       request.find_features = find_features;
+      request.confirmed_shares = confirmed_shares;
       warnings = Register(photos, distinct, plan, std::move(request), listener).warnings;
     } catch (const InputError& failure) {
       RememberFailure(work_dir, tried, failure.what());

@@ -7,6 +7,7 @@
 
 #include "oraclegs/core/progress.h"
 #include "oraclegs/scene/scene.h"
+#include "oraclegs/sfm/colmap_quality.h"
 #include "oraclegs/sfm/learned_features.h"
 
 namespace oraclegs {
@@ -18,9 +19,10 @@ namespace oraclegs {
 /// Returns a scene of format kColmap whose views are the registered photos, and reports to `listener` which photos
 /// registered. Throws InputError when colmap is missing or fewer than two registered, naming those that failed and what
 /// to retake.
-/// `find_features` is asked, where it is given, when features of SIFT leave photos out.
+/// `find_features` is asked, where it is given, when features of SIFT leave photos out; `confirmed_shares`, when
+/// relaxed thresholds placed some, which are left out where no depth confirms them.
 Scene RegisterViews(const Scene& photos, const std::filesystem::path& work_dir, const Listener& listener,
-                    const FeatureFinder& find_features = {});
+                    const FeatureFinder& find_features = {}, const ConfirmedShares& confirmed_shares = {});
 
 /// Points triangulated from the given views only, with their poses held fixed (feature_extractor, exhaustive_matcher,
 /// point_triangulator). Images are read where they are; nothing is written beside them. Owns work_dir and writes

@@ -6,13 +6,15 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "oraclegs/sfm/pose_doubts.h"
 #include "oraclegs/sfm/retry_schedule.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr int kMinFeatures = 150;           // a sharp, textured photo has thousands
-constexpr int kMinMatchesToRegister = 30;   // what colmap asks for by default
+constexpr int kMinFeatures = 150;          // a sharp, textured photo has thousands
+constexpr int kMinMatchesToRegister = 30;  // what colmap asks for by default
+constexpr double kMaxDegreesOfSift = 55;   // right cameras of hard sets are up to 49 degrees apart, wrong ones 58 to 70
 constexpr double kMinParallaxForDepth = 1;  // degrees; depth is known to a few percent at best
 constexpr size_t kMaxNeighborsReported = 5;
 constexpr size_t kMaxMissingNamed = 5;
@@ -32,7 +34,7 @@ std::vector<std::string> RegisteredAround(const RegistrationReport& report, size
 ViewStatus StatusOfMissing(const ViewReport& view, const AttemptResult& result) {
   const std::map<std::string, RegisteredImage>& registered = result.best.images;
   if (!view.same_as.empty()) return ViewStatus::kDuplicate;
-  if (std::count(result.left_out.begin(), result.left_out.end(), view.name) > 0) return ViewStatus::kOddCamera;
+  if (std::count(result.left_out.begin(), result.left_out.end(), view.name) > 0) return ViewStatus::kNoCamera;
   const int most = view.neighbors.empty() ? 0 : view.neighbors[0].inliers;
   if (view.features < kMinFeaturesToMatch || (view.features < kMinFeatures && most < kMinMatchesToRegister)) {
     return ViewStatus::kFewFeatures;
@@ -74,8 +76,8 @@ std::string Advice(const RegistrationReport& report, size_t index) {
     case ViewStatus::kElsewhere:
       return fmt::format("take photos between it and {}, or leave it out if it shows another place",
                          around.empty() ? "the registered ones" : around[0]);
-    case ViewStatus::kOddCamera:
-      return "take it again as the others were taken: with the same lens, not cropped, and closer to one of them";
+    case ViewStatus::kNoCamera:
+      return "take it again with the lens of the others, not cropped, and closer to one of them";
     case ViewStatus::kPureRotation:
       return "move sideways, do not only turn the camera";
   }
@@ -98,8 +100,8 @@ std::string StatusWord(ViewStatus verdict) {
       return "pure_rotation";
     case ViewStatus::kElsewhere:
       return "elsewhere";
-    case ViewStatus::kOddCamera:
-      return "odd_camera";
+    case ViewStatus::kNoCamera:
+      return "no_camera";
     case ViewStatus::kDoesNotFit:
       return "does_not_fit";
   }
@@ -124,8 +126,8 @@ std::string Why(const ViewReport& view) {
     case ViewStatus::kElsewhere:
       return fmt::format("{} matches with {}, but hardly any with a registered photo", view.neighbors[0].inliers,
                          view.neighbors[0].name);
-    case ViewStatus::kOddCamera:
-      return "it fits the others only with a focal length or a distortion that no lens has";
+    case ViewStatus::kNoCamera:
+      return "its matches ask for a lens that there is not, or for a place where its depth agrees with no other photo";
     case ViewStatus::kDoesNotFit:
       return fmt::format("{} matches with {}, but too few to place it", view.neighbors[0].inliers,
                          view.neighbors[0].name);
@@ -162,6 +164,15 @@ void AddWarnings(RegistrationReport* report) {
         fmt::format("the photos were taken from nearly one point (median parallax {:.2f} degrees), so depth is "
                     "uncertain; move sideways between photos",
                     report->model.parallax_degrees));
+  }
+  for (const ViewReport& view : report->views) {
+    const auto found = report->model.images.find(view.name);
+    if (found == report->model.images.end() || found->second.nearest_degrees < kMaxDegreesOfSift) continue;
+    report->warnings.push_back(fmt::format(
+        "{}{} sees what it shares with others from {:.0f} degrees away from them, where features are hardly "
+        "recognized, so that it may stand at a wrong place; take a photo between it and {}",
+        kPosesDoubtful, view.name, found->second.nearest_degrees,
+        view.neighbors.empty() ? "the others" : view.neighbors[0].name));
   }
   const auto missing = static_cast<int>(report->views.size()) - report->registered();
   if (missing == 0 || report->registered() < 2) return;

@@ -17,7 +17,7 @@ enum class ViewStatus {
   kFewMatches,    ///< too few with every other
   kPureRotation,  ///< all cameras that share something with it stand in one place: no parallax
   kElsewhere,     ///< shares things with photos that are not registered either, and with no other
-  kOddCamera,     ///< it fits only with a focal length or a distortion that no lens has
+  kNoCamera,      ///< matches place it only with a lens that there is not, or where its depth agrees with no other
   kDoesNotFit,    ///< enough matches, but no pose that agrees with the model
 };
 

@@ -27,7 +27,7 @@ struct FeatureSet {
   std::vector<MapperAttempt> attempts;
   int max_images = 0;       ///< too slow for more images than this
   bool needs_link = false;  ///< costly: useless where no links make a model (LinksMakeAModel), and the last tried where
-                            ///< it adds no image to one
+                            ///< it adds no image to one of more than kMaxImagesForAllFeatures
   bool is_learned = false;  ///< the first set's features and a network's
 };
 
@@ -43,9 +43,10 @@ using ImageLinks = std::set<std::pair<std::string, std::string>>;  ///< by names
 /// The evidence of links about the images that `best` lacks.
 MatchEvidence EvidenceOf(const ImageLinks& links, const ModelQuality& best, bool one_place);
 
-inline constexpr int kMaxImagesForRetries = 24;  ///< up to here every image is worth another attempt
-inline constexpr int kMinFeaturesToMatch = 30;   ///< an image with fewer cannot be matched in any attempt
-inline constexpr int kMaxPairsToRematch = 150;   ///< matched again with known intrinsics, about a second each
+inline constexpr int kMaxImagesForRetries = 24;     ///< up to here every image is worth another attempt
+inline constexpr int kMaxImagesForAllFeatures = 6;  ///< so few that no set of features is too costly
+inline constexpr int kMinFeaturesToMatch = 30;      ///< an image with fewer cannot be matched in any attempt
+inline constexpr int kMaxPairsToRematch = 150;      ///< matched again with known intrinsics, about a second each
 
 /// Cheap before expensive, strict before relaxed: colmap's own thresholds; relaxed ones; an initial pair of small angle
 /// or forward motion, also with a wide-angle lens; a network's features, where there is one; affine features of small

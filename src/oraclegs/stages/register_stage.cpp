@@ -11,6 +11,7 @@
 #include "oraclegs/networks/loader.h"
 #include "oraclegs/settings/device.h"
 #include "oraclegs/sfm/register_views.h"
+#include "oraclegs/stages/confirmed_depth.h"
 #include "oraclegs/stages/stage_seconds.h"
 #include "oraclegs/stages/vggt_registration.h"
 #include "oraclegs/workspace/non_commercial.h"
@@ -71,8 +72,9 @@ std::string AdviceToLearn(const Run& run) {
 
 void RegisterWithColmap(Run* run) {
   try {
-    run->scene =
-        RegisterViews(run->scene, run->workspace.sfm(), run->listener, LearnedFeaturesOf(run->plan, run->listener));
+    const ConfirmedShares confirmed = [&](const Scene& model) { return ConfirmedDepth(model, run->plan.device); };
+    run->scene = RegisterViews(run->scene, run->workspace.sfm(), run->listener,
+                               LearnedFeaturesOf(run->plan, run->listener), confirmed);
   } catch (const InputError& failure) {
     const std::string advice = AdviceToLearn(*run);
     if (advice.empty()) throw;
