@@ -84,6 +84,16 @@ TEST(MeasureModel, ReadsAModelFolder) {
   EXPECT_THAT(MessageOf<InputError>([&] { MeasureModel(dir / "nowhere"); }), testing::HasSubstr("nowhere"));
 }
 
+TEST(HasLooseView, FindsFewPointsAndFarNeighbors) {
+  ModelQuality model = Quality(3, 300);
+  for (auto& [name, image] : model.images) image = {300, 20, 10};
+  EXPECT_FALSE(HasLooseView(model));
+  model.images.begin()->second.points = 99;
+  EXPECT_TRUE(HasLooseView(model));
+  model.images.begin()->second = {300, 70, 60};
+  EXPECT_TRUE(HasLooseView(model));
+}
+
 TEST(MisplacedViews, HaveNoDepthWhereOthersHaveMuch) {
   EXPECT_EQ(MisplacedViews({.6, .02, .5, .3}), std::vector<size_t>{1});
   EXPECT_TRUE(MisplacedViews({.6, .1, .5, .3}).empty());

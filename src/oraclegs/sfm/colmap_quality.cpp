@@ -100,6 +100,15 @@ bool HasPlausiblePart(const ModelQuality& model) {
   return implausible > 0 && plausible >= 2 && plausible > implausible;
 }
 
+bool HasLooseView(const ModelQuality& model) {
+  std::vector<int> points;
+  for (const auto& [name, image] : model.images) points.push_back(image.points);
+  const int usual = UpperMedian(std::move(points));
+  return std::any_of(model.images.begin(), model.images.end(), [&](const auto& entry) {
+    return 3 * entry.second.points < usual || entry.second.nearest_degrees >= kMaxDegreesOfSift;
+  });
+}
+
 std::vector<size_t> MisplacedViews(const std::vector<double>& confirmed_shares) {
   if (UpperMedian(confirmed_shares) < kUsualConfirmed) return {};
   std::vector<size_t> misplaced;

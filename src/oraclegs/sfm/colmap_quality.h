@@ -41,6 +41,10 @@ ModelQuality MeasureModel(const ColmapCameras& cameras, const std::vector<Colmap
 /// Quality of the model in a folder. Throws InputError as ReadColmapScene does.
 ModelQuality MeasureModel(const std::filesystem::path& model_dir);
 
+/// Images that share what they see from further apart only are doubtful, degrees: right cameras of hard sets are up to
+/// 49 degrees apart, wrong ones 58 to 78.
+inline constexpr double kMaxDegreesOfSift = 55;
+
 /// True when a model can be right: two images or more, plausible intrinsics, points enough to hold the poses, and rays
 /// that cross at an angle. A wrong one has few points (colmap drops what does not fit).
 bool IsSound(const ModelQuality& model);
@@ -48,6 +52,10 @@ bool IsSound(const ModelQuality& model);
 /// True when a model would be plausible without the images of `implausible_images`: they are the fewer, and two or more
 /// are left.
 bool HasPlausiblePart(const ModelQuality& model);
+
+/// True when an image hangs on few points, less than a third of the usual number, or shares what it sees from far away
+/// only (kMaxDegreesOfSift): it may stand at a wrong place.
+bool HasLooseView(const ModelQuality& model);
 
 /// By view of a scene, the share of its pixels whose depth dense stereo finds and confirms.
 using ConfirmedShares = std::function<std::vector<double>(const Scene& model)>;

@@ -183,14 +183,10 @@ class AttemptRunner {
     return CanMatchMissing(by_name, best_.quality());
   }
 
-  /// Leaves out photos that relaxed thresholds have let in at a wrong place.
+  /// Leaves out photos that stand at a wrong place, which COLMAP's thresholds alone do not show.
   void LeaveOutMisplaced() {
-    const FeatureSet& usual = RegistrationSchedule()[0];
-    const auto is_strict = [&](const AttemptRecord& record) {
-      return record.kept && record.features == usual.name && record.name == usual.attempts[0].name;
-    };
     if (!request_.confirmed_shares || !IsSound(best_.quality()) || best_.registered() > kMaxImagesForRetries) return;
-    if (std::any_of(journal().records.begin(), journal().records.end(), is_strict)) return;
+    if (!HasLooseView(best_.quality())) return;  // the check takes a second a photo
     const Scene model = ReadColmapScene(best_.candidate().model, request_.work_dir / "images", Silent());
     listener_(StepDone{"register", best_.registered(), 0, "images", "checking places by depth"});
     const std::vector<double> shares = request_.confirmed_shares(model);

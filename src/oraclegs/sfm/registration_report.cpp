@@ -12,9 +12,8 @@
 namespace oraclegs {
 namespace {
 
-constexpr int kMinFeatures = 150;          // a sharp, textured photo has thousands
-constexpr int kMinMatchesToRegister = 30;  // what colmap asks for by default
-constexpr double kMaxDegreesOfSift = 55;   // right cameras of hard sets are up to 49 degrees apart, wrong ones 58 to 70
+constexpr int kMinFeatures = 150;           // a sharp, textured photo has thousands
+constexpr int kMinMatchesToRegister = 30;   // what colmap asks for by default
 constexpr double kMinParallaxForDepth = 1;  // degrees; depth is known to a few percent at best
 constexpr size_t kMaxNeighborsReported = 5;
 constexpr size_t kMaxMissingNamed = 5;
