@@ -66,7 +66,7 @@ void Terminal::On(const RunPlanned& event) {
     total += seconds;
     parts += fmt::format("{}{} {}", parts.empty() ? "" : ", ", stage, FormatSeconds(seconds));
   }
-  if (total > 0) Log().info("about {} in all: {}", FormatSeconds(total), parts);
+  if (total > 0) Log().info("about {} in total: {}", FormatSeconds(total), parts);
 }
 
 void Terminal::On(const StageStarted& event) {
@@ -82,7 +82,7 @@ void Terminal::On(const StageFinished& event) {
   rate_.Clear();
   const double left = run_.SecondsLeft(0);
   Log().info("{}: done in {}{}", Numbered(event.stage), FormatSeconds(event.seconds),
-             left > 0 ? fmt::format(", {} left in all", FormatSeconds(left)) : "");
+             left > 0 ? fmt::format(", {} left", FormatSeconds(left)) : "");
 }
 
 std::string Terminal::Numbered(const std::string& stage) const {
@@ -91,10 +91,9 @@ std::string Terminal::Numbered(const std::string& stage) const {
 }
 
 std::string Terminal::LeftText(const StepDone& event, double stage_left) const {
-  std::string text = stage_left > 0 ? ", " + FormatSeconds(stage_left) + " left" : "";
-  const double all = run_.PlaceOf(event.stage) ? run_.SecondsLeft(stage_left) : 0;
-  if (all > 0) text += fmt::format(", {} in all", FormatSeconds(all));
-  return text;
+  const double of_run = run_.PlaceOf(event.stage) ? run_.SecondsLeft(stage_left) : 0;
+  const double left = of_run > 0 ? of_run : stage_left;
+  return left > 0 ? FormatSeconds(left) + " left" : "";
 }
 
 void Terminal::On(const FileWritten& event) {
@@ -117,8 +116,9 @@ void Terminal::On(const StepDone& event) {
   const StepRate::Speed rate = Measure(event);
   if (!IsTimeForALine(event)) return;
   if (bar_) return DrawBar(event, rate);
-  Log().info("{}: {}{}{}{}{}", Numbered(event.stage), CountText(event), event.detail.empty() ? "" : ", ", event.detail,
-             RateText(rate.per_second), LeftText(event, rate.seconds_left));
+  const std::string left = LeftText(event, rate.seconds_left);
+  Log().info("{}: {}{}{}{}{}{}", Numbered(event.stage), left, left.empty() ? "" : ", ", CountText(event),
+             RateText(rate.per_second), event.detail.empty() ? "" : ", ", event.detail);
 }
 
 StepRate::Speed Terminal::Measure(const StepDone& event) {
@@ -141,14 +141,15 @@ bool Terminal::IsTimeForALine(const StepDone& event) {
 }
 
 void Terminal::DrawBar(const StepDone& event, const StepRate::Speed& rate) {
+  // A narrow terminal cuts the end of the line: what people wait for comes first.
   std::string line = Numbered(event.stage) + " ";
+  if (const std::string left = LeftText(event, rate.seconds_left); !left.empty()) line += left + " ";
   if (event.total > 0) {
     const auto filled = static_cast<int>(kBarWidth * event.done / event.total);
     line += fmt::format("[{:#>{}}{:->{}}] ", "", filled, "", kBarWidth - filled);
   }
   line += CountText(event) + RateText(rate.per_second);
   if (!event.detail.empty()) line += ", " + event.detail;
-  line += LeftText(event, rate.seconds_left);
   line.resize(std::min(line.size(), TerminalWidth() - 1));
   std::fprintf(stderr, "\r\x1b[K%s", OneLine(line).c_str());
   std::fflush(stderr);

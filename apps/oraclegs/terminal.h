@@ -43,7 +43,7 @@ class Terminal {
 
   /// "[2/7] depth"; the name alone where nothing was planned.
   std::string Numbered(const std::string& stage) const;
-  /// ", 0:40 left, 9:30 in all"
+  /// "9:30 left": of the whole run where that is known, else of the stage; "" where nobody knows
   std::string LeftText(const StepDone& event, double stage_left) const;
   StepRate::Speed Measure(const StepDone& event);
   bool IsTimeForALine(const StepDone& event);

@@ -94,6 +94,15 @@ TEST(RunProgress, ExpectsMoreAfterASlowStage) {
   EXPECT_DOUBLE_EQ(progress.SecondsLeft(0, kStart + seconds(60)), 280);
 }
 
+TEST(RunProgress, LearnsNothingFromAStageThatDidNothingOrTriedAgain) {
+  for (const int took : {1, 176}) {
+    RunProgress progress = Planned();
+    progress.Add(StageStarted{"sfm"}, kStart);
+    progress.Add(StageFinished{"sfm", static_cast<double>(took)}, kStart + seconds(took));
+    EXPECT_DOUBLE_EQ(progress.SecondsLeft(0, kStart + seconds(took)), 140) << took;
+  }
+}
+
 TEST(RunProgress, DoesNotCountWhatWasKept) {
   RunProgress progress = Planned();
   progress.Add(StageKept{"sfm"}, kStart);

@@ -106,6 +106,9 @@ TEST(IsSound, RequiresImagesPointsAnglesAndIntrinsics) {
   EXPECT_FALSE(IsSound(Quality(1, 100)));
   EXPECT_FALSE(IsSound(Quality(3, 11))) << "what guided matching made of 3 images of fox";
   EXPECT_FALSE(IsSound(Quality(3, 100, .5, .1)));
+  ModelQuality far = Quality(2, 37);
+  for (auto& [name, image] : far.images) image.nearest_degrees = 120;
+  EXPECT_FALSE(IsSound(far)) << "what relaxed thresholds made of 4 images of fox";
   ModelQuality odd = Quality(3, 100);
   odd.plausible_intrinsics = false;
   EXPECT_FALSE(IsSound(odd));

@@ -13,6 +13,8 @@ double SecondsBetween(StepRate::Clock::time_point from, StepRate::Clock::time_po
 
 // Seconds of finished stages that count as planned right, so that a first short stage does not decide.
 constexpr double kPriorSeconds = 20;
+// Times as long as planned: what lies outside had nothing to do, or tried again and again, and says nothing of others.
+constexpr double kUsualSlowness[] = {0.25, 4};
 
 }  // namespace
 
@@ -64,7 +66,9 @@ std::optional<RunProgress::Place> RunProgress::PlaceOf(const std::string& stage)
 double RunProgress::Slowness() const {
   double planned = kPriorSeconds, took = kPriorSeconds;
   for (const Row& row : rows_) {
-    if (row.took && row.planned > 0) planned += row.planned, took += *row.took;
+    if (!row.took || *row.took < kUsualSlowness[0] * row.planned || *row.took > kUsualSlowness[1] * row.planned)
+      continue;
+    planned += row.planned, took += *row.took;
   }
   return took / planned;
 }

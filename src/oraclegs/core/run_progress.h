@@ -52,7 +52,7 @@ class RunProgress {
 
   /// Seconds left of the whole run; 0 = nobody knows. `stage_left`: seconds that the stage at work still needs by its
   /// own measure, 0 = none yet. The stages to come are expected to be as much slower or faster than planned as those
-  /// done were.
+  /// done were, but for those that had nothing to do or tried again and again.
   double SecondsLeft(double stage_left, Clock::time_point now = Clock::now()) const;
 
  private:

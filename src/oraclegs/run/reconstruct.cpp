@@ -14,6 +14,7 @@ void BringUpToDate(const std::vector<const char*>& stages, Run* run) {
   Guarded(run->observer.get(), [&] {
     if (!IsUpToDate(run, "train")) {
       for (const int view : run->split.test) LoadViews(run->scene, {view}, run->plan.image, Silent());
+      if (run->observer) run->observer->Show(run, "register");
     }
     for (const char* stage : stages) RunStage(run, stage);
   });

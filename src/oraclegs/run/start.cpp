@@ -305,16 +305,16 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
   run.workspace.DropDamagedRecords(listener);
   run.stages = &Stages(), run.proposer_rows = &ProposerRows();
   run.start_iterations = ReadSavedRun(request.out).start_iterations;
-  const auto live = std::make_shared<Live>(run.workspace, listener);
+  const auto live = std::make_shared<Live>(run.workspace, listener, ShowDocument);
   run.observer = live;
   run.listener = run.workspace.Watching(live->AsListener());
-  if (run.options.report.report) run.on_training = WriteStartDocument;
   if (request.on_claimed) request.on_claimed();
   Guarded(live.get(), [&] {
     run.photos = PhotosFingerprint(run.scene, &run.files);
     CheckRunPhotos(&run);
     KeepNeededPhotos(&run, run.listener);
     if (request.estimates) AnnounceStages(&run);
+    if (!run.photos.empty()) live->Show(&run, kPhotosRead);
     FindPosesAndSplit(&run, false);
     SaveSplit(run);
   });

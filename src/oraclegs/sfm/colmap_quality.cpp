@@ -90,7 +90,9 @@ ModelQuality MeasureModel(const fs::path& model_dir) {
 }
 
 bool IsSound(const ModelQuality& model) {
-  return model.registered() >= 2 && model.plausible_intrinsics &&
+  const bool is_near = std::any_of(model.images.begin(), model.images.end(),
+                                   [](const auto& entry) { return entry.second.nearest_degrees < kMaxDegreesOfSift; });
+  return model.registered() >= 2 && model.plausible_intrinsics && is_near &&
          model.points >= kMinPointsPerImage * model.registered() && model.parallax_degrees >= kMinParallax;
 }
 

@@ -45,8 +45,9 @@ ModelQuality MeasureModel(const std::filesystem::path& model_dir);
 /// 49 degrees apart, wrong ones 58 to 78.
 inline constexpr double kMaxDegreesOfSift = 55;
 
-/// True when a model can be right: two images or more, plausible intrinsics, points enough to hold the poses, and rays
-/// that cross at an angle. A wrong one has few points (colmap drops what does not fit).
+/// True when a model can be right: two images or more, plausible intrinsics, points enough to hold the poses, rays that
+/// cross at an angle, and some image that is not far from all others (kMaxDegreesOfSift). A wrong one has few points
+/// (colmap drops what does not fit).
 bool IsSound(const ModelQuality& model);
 
 /// True when a model would be plausible without the images of `implausible_images`: they are the fewer, and two or more

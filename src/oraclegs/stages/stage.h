@@ -94,7 +94,6 @@ struct Run {
   SceneFrame frame = {};                         ///< that the scene was brought into, once its poses are known
   std::map<std::string, double> predicted = {};  ///< seconds of each stage; empty where nobody asked
   std::unique_ptr<StageResults> results = std::make_unique<StageResults>();
-  std::function<void(Run*)> on_training = {};  ///< called as stage "train" begins, its views in memory; may be empty
   /// --iterations that the run was begun with, of which proxy models train a share; 0 = --iterations.
   int64_t start_iterations = 0;
   const std::vector<Stage>* stages = nullptr;               ///< not null

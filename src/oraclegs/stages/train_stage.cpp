@@ -257,7 +257,7 @@ std::optional<nlohmann::json> MakeTrain(Run* run, const std::string&) {
   nlohmann::json saved_options = ShapingOptionsToJson(run->options);
   saved_options["inputs"] = InputsOf(run);
   const std::optional<Checkpoint> checkpoint = FindCheckpoint(*run, saved_options);
-  if (run->on_training) run->on_training(run);
+  if (run->observer) run->observer->Show(run, "train");
   const ReadyTrainer ready = MakeTrainer(run, checkpoint);
   const double loading = watch.Seconds();
   const TrainResult result = ready.trainer->Run(

@@ -4,12 +4,15 @@
 
 #include <nlohmann/json.hpp>
 
+#include "oraclegs/core/files.h"
 #include "oraclegs/formats/codecs.h"
+#include "oraclegs/stages/run_observer.h"
 #include "run/trained.h"
 
 namespace oraclegs {
 namespace {
 
+namespace fs = std::filesystem;
 using nlohmann::json;
 using RunDocumentTest = TrainedTest;
 
@@ -63,12 +66,36 @@ TEST_F(RunDocumentTest, BeginsBeforeThereIsASplat) {
   other.out = *temp / "begun";
   oraclegs::Run run = StartRun(other, Silent());
   Bring(&run, "validate");
-  WriteStartDocument(&run);
+  ShowDocument(&run, "train");
   const json document = json::parse(ReadFile(other.out / "report/run.json"));
   EXPECT_FALSE(document.at("finished").get<bool>());
   EXPECT_TRUE(document.at("splat").is_null());
   EXPECT_EQ(document.at("views").size(), 4u) << "the training views alone: test images are not looked at";
   EXPECT_GT(document.at("place").at("radius"), 0);
+}
+
+TEST_F(RunDocumentTest, ShowsPhotosBeforeTheirCamerasAreKnown) {
+  RunRequest other = *request;
+  other.out = *temp / "photos";
+  oraclegs::Run run = StartRun(other, Silent());
+  fs::remove_all(other.out / "report");
+  ShowDocument(&run, kPhotosRead);
+  const fs::path file = other.out / "report/run.json";
+  const json document = json::parse(ReadFile(file));
+  EXPECT_EQ(document.at("title"), "photos") << "the workspace's name";
+  EXPECT_EQ(document.at("views").size(), run.scene.views.size());
+  EXPECT_FALSE(document.at("views")[0].contains("camera"));
+  EXPECT_TRUE(fs::exists(other.out / document.at("views")[0].at("thumbnail").at("url").get<std::string>()));
+
+  ShowDocument(&run, "register");
+  EXPECT_TRUE(json::parse(ReadFile(file)).at("views")[0].contains("camera"));
+  WriteFileAtomically(file, R"({"finished": true})");
+  ShowDocument(&run, kPhotosRead);
+  ShowDocument(&run, "register");
+  EXPECT_EQ(ReadFile(file), R"({"finished": true})") << "a finished run's stays until training begins";
+  run.options.report.report = false;
+  ShowDocument(&run, "train");
+  EXPECT_EQ(ReadFile(file), R"({"finished": true})");
 }
 
 TEST_F(RunDocumentTest, GivesTheCommandThatMakesTheRunAgain) {

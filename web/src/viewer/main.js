@@ -1,7 +1,7 @@
 // The viewer: the 3D view of a run beside its images, while it trains and afterwards.
 import {SplatScene} from '../scene/scene.js';
 import {hasWebGL2} from '../scene/stage.js';
-import {h, put} from '../shared/dom.js';
+import {fill, h, put} from '../shared/dom.js';
 import {number} from '../shared/format.js';
 import {CompareOverlay} from '../ui/compare_overlay.js';
 import {ProvenancePanel} from '../ui/provenance_panel.js';
@@ -19,10 +19,11 @@ const facts = h('span', {class: 'facts'});
 const badge = h('span', {class: 'badge', role: 'status', hidden: true});
 const stage = h('main', {class: 'stage', 'aria-label': '3D view'});
 const note = h('div', {class: 'stage-note', role: 'status'}, h('p', {}, 'Loading …'));
+const mosaic = h('div', {class: 'mosaic', 'aria-hidden': 'true', hidden: true});  // the list beside has the same photos
 const tip = h('div', {class: 'stage-tip', hidden: true});
 const banner = h('div', {class: 'banner', role: 'alert', hidden: true}, 'The program has ended; this page stays as it is.');
 const help = helpDialog();
-put(stage, note, tip, banner);
+put(stage, mosaic, note, tip, banner);
 
 const session = new Session();
 const run = new RunPanel();
@@ -69,7 +70,7 @@ function choose(view) {
   list.select(view);
   details.show(view, session.document?.views ?? []);
   overlay?.hide();
-  scene?.goTo(view);
+  if (view.camera) scene?.goTo(view);
 }
 
 function home() {
@@ -103,10 +104,18 @@ function shown() {
 
 function showFacts() {
   const gaussians = scene?.gaussians || session.document?.splat?.gaussians;
-  const iteration = source?.isLive && session.live?.splat?.iteration;
+  const live = source?.isLive ? session.live?.splat : undefined;
+  const iteration = live?.iteration;
+  const points = live?.of?.endsWith('points') && live.of;
   facts.textContent = [
-    gaussians && `${number(gaussians)} Gaussians`, iteration && `iteration ${number(iteration)}`,
+    gaussians && `${number(gaussians)} ${points || 'Gaussians'}`, live?.of === 'draft model' && 'draft', iteration && `iteration ${number(iteration)}`,
     Number.isFinite(session.document?.scores?.psnr) && `PSNR ${number(session.document.scores.psnr, 2)} dB`].filter(Boolean).join(' · ');
+}
+
+// Photos without cameras have no place in 3D: they fill the stage until they have one.
+function showMosaic(views) {
+  mosaic.hidden = views.length === 0 || views.some((view) => view.camera);
+  fill(mosaic, mosaic.hidden ? [] : views.map((view) => h('img', {src: fileUrl((view.image ?? view.thumbnail).url), alt: ''})));
 }
 
 function showState(live) {
@@ -127,6 +136,7 @@ session.addEventListener('change', () => {
     viewsPanel.hidden = camerasButton.hidden = !doc.views?.length;
     upButton.hidden = !viewsPanel.hidden || !scene;
     scene?.setDocument(doc);
+    showMosaic(doc.views ?? []);
   }
   if (doc?.title) {
     title.textContent = doc.title;

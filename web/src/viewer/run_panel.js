@@ -49,13 +49,15 @@ function sentence(live) {
   if (live.state === 'failed') return `The run failed${elapsed}.${message}`;
   if (live.state === 'interrupted') return `The run was stopped${elapsed}; the same command continues it.${message}`;
   if (live.state === 'finished') return `The run ended${elapsed}.${message}`;
-  return `Running for ${duration(live.elapsed_seconds)}.${message}`;
+  const left = live.left_seconds > 0 ? `, about ${duration(live.left_seconds)} left` : '';
+  return `Running for ${duration(live.elapsed_seconds)}${left}.${message}`;
 }
 
 function stageItem(stage) {
   const share = stage.total > 0 ? stage.done / stage.total : undefined;
   const running = stage.state === 'running';
-  const time = stage.state === 'unchanged' ? 'unchanged' : duration(stage.seconds);
+  const planned = stage.state === 'planned';
+  const time = stage.state === 'unchanged' ? 'unchanged' : planned && !(stage.seconds > 0) ? '' : `${planned ? 'about ' : ''}${duration(stage.seconds)}`;
   const what = running && [
     stage.total > 0 && `${number(stage.done)} of ${number(stage.total)} ${stage.unit ?? ''}`.trim(), stage.detail,
     Number.isFinite(stage.eta_seconds) && `about ${duration(stage.eta_seconds)} left`].filter(Boolean).join(' · ');

@@ -11,14 +11,14 @@ export class SplatSource {
   wanted({document: run, live}) {
     const final = run?.splat?.url && {...run.splat, key: `final ${run.splat.url} ${run.splat.bytes} ${run.splat.gaussians} ${run.created}`};
     const snapshot = live?.splat?.url && {
-      url: live.splat.url, format: live.splat.url.split('.').pop(), key: `live ${live.started} ${live.splat.iteration} ${live.splat.gaussians}`};
+      url: live.splat.url, format: live.splat.url.split('.').pop(), key: `live ${live.started} ${live.splat.of} ${live.splat.iteration} ${live.splat.gaussians}`};
     return live?.state === 'running' ? snapshot || final : final || snapshot;
   }
 
   async update(session) {
     const wanted = this.wanted(session);
     if (!wanted) {
-      if (!this.shown) this.onState(session.running ? 'Training has not started yet. The splat appears here by itself.' : 'There is no splat yet.');
+      if (!this.shown) this.onState(waiting(session));
       return;
     }
     if (wanted.key === this.shown || this.loading) return;
@@ -37,4 +37,11 @@ export class SplatSource {
     }
     this.loading = undefined;
   }
+}
+
+// What the page says before there is anything in 3D.
+function waiting({document: run, running}) {
+  if (!running) return 'There is no splat yet.';
+  if (run?.views?.some((view) => view.camera)) return '';  // the cameras are there
+  return 'The program looks for where the photos were taken. Cameras, points and the splat appear here as they are found.';
 }

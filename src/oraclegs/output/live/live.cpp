@@ -8,6 +8,7 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/formats/codecs.h"
+#include "oraclegs/output/live/early_splat.h"
 #include "oraclegs/train/timings.h"
 
 namespace oraclegs {
@@ -33,9 +34,10 @@ constexpr double kPauseOfCost = 50;
 
 }  // namespace
 
-Live::Live(const WorkspacePaths& workspace, Listener listener)
+Live::Live(const WorkspacePaths& workspace, Listener listener, Documents documents)
     : workspace_(workspace.root()),
       listener_(std::move(listener)),
+      documents_(std::move(documents)),
       splat_(workspace.live() / "splat.splat"),
       curves_(workspace.curves()) {
   std::error_code ignored;
@@ -57,6 +59,23 @@ Live::~Live() {
 
 Listener Live::AsListener() {
   return [this](const Event& event) { On(event); };
+}
+
+void Live::Show(Run* run, const std::string& stage) {
+  if (documents_) Try([&] { documents_(run, stage); });
+  const double start = watch_.Seconds();
+  Try([&] {
+    const EarlySplat early = EarlySplatOf(*run, stage);
+    if (early.gaussians.size() == 0) return;
+    WriteSnapshot(splat_, early.gaussians);
+    shown_splat_ = {{"url", "live/splat.splat"},
+                    {"format", "splat"},
+                    {"of", early.of},
+                    {"iteration", nullptr},
+                    {"gaussians", early.gaussians.size()}};
+  });
+  looked_ += watch_.Seconds() - start;
+  WriteState();
 }
 
 TrainObserver Live::OfTraining(TestScore score) {
@@ -131,6 +150,7 @@ void Live::TakeSnapshot(const TrainMoment& moment) {
   if (cost < 0) return;
   shown_splat_ = {{"url", "live/splat.splat"},
                   {"format", "splat"},
+                  {"of", "training"},
                   {"iteration", moment.iteration},
                   {"gaussians", moment.gaussians.size()}};
   WriteState();

@@ -40,14 +40,18 @@ double WriteSnapshot(const std::filesystem::path& path, const Gaussians& gaussia
 /// cannot be written is one warning. The destructor writes the end of the run, or Guard when the run fails.
 class Live final : public RunObserver {
  public:
-  /// Observes a run that holds the workspace; events go on to `listener`.
-  Live(const WorkspacePaths& workspace, Listener listener);
+  /// Writes documents where a run has more to show (RunObserver::Show).
+  using Documents = std::function<void(Run* run, const std::string& stage)>;
+
+  /// Observes a run that holds the workspace; events go on to `listener`. `documents` may be empty.
+  Live(const WorkspacePaths& workspace, Listener listener, Documents documents = {});
   ~Live() override;
   Live(const Live&) = delete;
   Live& operator=(const Live&) = delete;
 
   /// Listener that is valid while this object lives.
   Listener AsListener();
+  void Show(Run* run, const std::string& stage) override;
   TrainObserver OfTraining(TestScore score) override;
   void Guard(FunctionRef<void()> body) override;
 
@@ -65,6 +69,7 @@ class Live final : public RunObserver {
 
   WorkspacePaths workspace_;
   Listener listener_;
+  Documents documents_;
   std::filesystem::path splat_;
   std::optional<FolderLock> lock_;
   RunState state_;

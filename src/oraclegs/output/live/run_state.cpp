@@ -30,7 +30,10 @@ RunState::StageState& RunState::FindOrAdd(const std::string& name) {
 }
 
 void RunState::Add(const Event& event) {
-  if (const auto* start = std::get_if<StageStarted>(&event)) {
+  progress_.Add(event);
+  if (const auto* planned = std::get_if<RunPlanned>(&event)) {
+    planned_ = planned->stages;
+  } else if (const auto* start = std::get_if<StageStarted>(&event)) {
     FindOrAdd(start->stage) = {.name = start->stage};
     rate_.Clear();
   } else if (const auto* step = std::get_if<StepDone>(&event)) {
@@ -60,6 +63,7 @@ void RunState::SetEnd(RunEnd end, const std::string& message) {
 
 nlohmann::json RunState::ToJson() const {
   nlohmann::json stages = nlohmann::json::array();
+  double stage_left = 0;
   for (const StageState& stage : stages_) {
     const bool running = stage.state == "running" && !ended();
     nlohmann::json row = {{"name", stage.name},
@@ -70,11 +74,22 @@ nlohmann::json RunState::ToJson() const {
                           {"unit", stage.last.unit},
                           {"detail", stage.last.detail},
                           {"eta_seconds", nullptr}};
-    if (running && stage.seconds_left > 0) row["eta_seconds"] = stage.seconds_left;
+    if (running && stage.seconds_left > 0) row["eta_seconds"] = stage_left = stage.seconds_left;
     stages.push_back(std::move(row));
   }
-  return {{"format", 1},         {"state", state_},  {"message", message_},
-          {"started", started_}, {"stages", stages}, {"warnings", warnings_}};
+  for (const RunPlanned::Planned& planned : planned_) {
+    const auto begun = [&](const StageState& stage) { return stage.name == planned.stage; };
+    if (ended() || std::any_of(stages_.begin(), stages_.end(), begun)) continue;
+    stages.push_back({{"name", planned.stage}, {"state", "planned"}, {"seconds", planned.seconds}});
+  }
+  const double left = ended() ? 0 : progress_.SecondsLeft(stage_left);
+  return {{"format", 1},
+          {"state", state_},
+          {"message", message_},
+          {"started", started_},
+          {"stages", stages},
+          {"warnings", warnings_},
+          {"left_seconds", left > 0 ? nlohmann::json(left) : nlohmann::json()}};
 }
 
 }  // namespace oraclegs

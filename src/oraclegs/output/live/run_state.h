@@ -41,6 +41,8 @@ class RunState {
   std::string started_, state_ = "running", message_;
   std::vector<StageState> stages_;
   std::vector<std::string> warnings_;
+  std::vector<RunPlanned::Planned> planned_;
+  RunProgress progress_;
   StepRate rate_;
 };
 

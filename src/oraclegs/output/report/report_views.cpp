@@ -133,19 +133,24 @@ ReportViews::ReportViews(const Run& run, const ReportFiles& files, const Model* 
 
 ReportViews::~ReportViews() = default;
 
-nlohmann::json ReportViews::Row(const std::string& name, const char* role, const Camera& camera, const Image8& image) {
+nlohmann::json ReportViews::Row(const std::string& name, const char* role, const Image8& image) {
   const std::string stem = fmt::format("{}_{}", role, rows_.size());
   return {{"id", rows_.size()},
           {"name", name},
           {"role", role},
-          {"camera", CameraToJson(camera)},
           {"image", files_.Image(stem, image)},
           {"thumbnail", files_.Thumbnail(stem + "_small", image)}};
 }
 
+void ReportViews::AddPhoto(const std::string& name, const Image8& image) {
+  ThrowIfInterrupted();
+  rows_.push_back(Row(name, "train", image));
+}
+
 void ReportViews::AddTraining(const LoadedView& view) {
   ThrowIfInterrupted();
-  nlohmann::json row = Row(view.name, "train", view.camera, ToImage8(view.rgb));
+  nlohmann::json row = Row(view.name, "train", ToImage8(view.rgb));
+  row["camera"] = CameraToJson(view.camera);
   if (renderer_) {
     row["render"] = files_.Image(fmt::format("train_{}_render", rows_.size()), renderer_->Colors(view.camera));
   }
@@ -162,7 +167,8 @@ void ReportViews::AddTest(const LoadedView& view) {
   std::vector<float> errors = ErrorsOf(render, truth);
   for (size_t p = 0; p < view.mask.size(); ++p)
     errors[p] = view.mask[p] == 0 ? 0 : errors[p];  // masked pixels have no error, as in the scores
-  nlohmann::json row = Row(view.name, "test", view.camera, truth);
+  nlohmann::json row = Row(view.name, "test", truth);
+  row["camera"] = CameraToJson(view.camera);
   row["render"] = files_.Image(stem + "_render", render);
   row["error"] = files_.Image(stem + "_error", InColors(errors, truth.width, truth.height));
   if (const auto support = renderer_->Support(view.camera)) row["support"] = files_.Image(stem + "_support", *support);
@@ -192,7 +198,8 @@ void ReportViews::AddProposal(const Target& target) {
   ThrowIfInterrupted();
   std::error_code ignored;
   const std::string stem = fmt::format("proposal_{}", rows_.size()), file = target.name + ".png";
-  nlohmann::json row = Row(target.name, "proposal", target.camera, ReadImage(run_.workspace.proposals() / file));
+  nlohmann::json row = Row(target.name, "proposal", ReadImage(run_.workspace.proposals() / file));
+  row["camera"] = CameraToJson(target.camera);
   const fs::path map = run_.workspace.confidence() / file;
   if (fs::exists(map, ignored)) {
     const Image8 gray = ReadImage(map);

@@ -36,6 +36,8 @@ class ReportViews {
   ReportViews(const Run& run, const ReportFiles& files, const Model* model);
   ~ReportViews();
 
+  /// Adds a photo whose camera is not known yet.
+  void AddPhoto(const std::string& name, const Image8& image);
   /// Call it for all training views before AddProposals.
   void AddTraining(const LoadedView& view);
   /// Adds the run's proposals, at most 32, with confidence and nearest training view, as far as their files exist.
@@ -58,7 +60,7 @@ class ReportViews {
   };
 
   void AddProposal(const Target& target);
-  nlohmann::json Row(const std::string& name, const char* role, const Camera& camera, const Image8& image);
+  nlohmann::json Row(const std::string& name, const char* role, const Image8& image);
   const Run& run_;
   const ReportFiles& files_;
   std::unique_ptr<Renderer> renderer_;

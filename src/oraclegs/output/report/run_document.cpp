@@ -14,6 +14,7 @@
 #include "oraclegs/formats/spatial_order.h"
 #include "oraclegs/formats/values.h"
 #include "oraclegs/gaussians/selection.h"
+#include "oraclegs/image/read_image.h"
 #include "oraclegs/output/live/curves.h"
 #include "oraclegs/output/live/run_state.h"
 #include "oraclegs/output/report/report_files.h"
@@ -22,6 +23,7 @@
 #include "oraclegs/scene/scene.h"
 #include "oraclegs/settings/named_options.h"
 #include "oraclegs/stages/metrics.h"
+#include "oraclegs/stages/run_observer.h"
 #include "oraclegs/workspace/non_commercial.h"
 
 namespace oraclegs {
@@ -200,11 +202,16 @@ json HeroOf(const json& views) {
   return hero;
 }
 
+/// The name of the workspace, which the user chose; that of the scene is often "images".
+std::string TitleOf(const Run& run) {
+  const fs::path root = fs::absolute(run.workspace.root()).lexically_normal();
+  return (root.has_filename() ? root : root.parent_path()).filename().string();
+}
+
 json BeginDocument(const Run& run) {
-  const std::string scene = fs::path(run.scene.root).lexically_normal().filename().string();
   return {{"format", 1},
           {"kind", "run"},
-          {"title", scene.empty() ? run.scene.root.parent_path().filename().string() : scene},
+          {"title", TitleOf(run)},
           {"program", "oraclegs " + run.version},
           {"created", UtcNow()},
           {"finished", false},
@@ -217,20 +224,6 @@ json BeginDocument(const Run& run) {
 void Write(const Run& run, const json& document) {
   WriteFileAtomically(run.workspace.report() / "run.json",
                       document.dump(-1, ' ', false, json::error_handler_t::replace) + "\n");
-}
-
-}  // namespace
-
-std::string CommandOf(const Run& run) {
-  const json now = RunOptionsToJson(run.options), usual = RunOptionsToJson(RunOptions{});
-  std::string command = fmt::format("oraclegs reconstruct {} -o {}",
-                                    ShellQuoted(fs::absolute(run.scene.root).lexically_normal().string()),
-                                    ShellQuoted(fs::absolute(run.workspace.root()).lexically_normal().string()));
-  for (const auto& [name, value] : now.items()) {
-    if (value == usual.value(name, json())) continue;
-    for (const std::string& word : RunOptionWords(name, value)) command.append(" ").append(ShellQuoted(word));
-  }
-  return command;
 }
 
 void WriteStartDocument(Run* run) {
@@ -254,6 +247,47 @@ void WriteStartDocument(Run* run) {
   } catch (const std::exception& error) {  // a run does not fail for its report
     run->listener(Warning{fmt::format("{}; the viewer has no images of this run", error.what())});
   }
+}
+
+/// Writes the document twice, so that the first photo is there at once. A photo that cannot be read is passed over.
+void WritePhotosDocument(const Run& run) {
+  constexpr size_t kShownPhotos = 12;  // each takes up to half a second to read
+  const ReportFiles files(run.workspace.root());
+  ReportViews views(run, files, nullptr);
+  json document = BeginDocument(run);
+  document["splat"] = nullptr;
+  for (const SceneView& view : Evenly(run.scene.views, kShownPhotos)) {
+    try {
+      views.AddPhoto(view.name, ReadImage(view.image_path));
+    } catch (const InputError&) {
+      continue;  // is said when it is needed
+    }
+    document["views"] = views.Rows();
+    if (views.Rows().size() == 1) Write(run, document);
+  }
+  if (views.Rows().size() > 1) Write(run, document);
+}
+
+}  // namespace
+
+std::string CommandOf(const Run& run) {
+  const json now = RunOptionsToJson(run.options), usual = RunOptionsToJson(RunOptions{});
+  std::string command = fmt::format("oraclegs reconstruct {} -o {}",
+                                    ShellQuoted(fs::absolute(run.scene.root).lexically_normal().string()),
+                                    ShellQuoted(fs::absolute(run.workspace.root()).lexically_normal().string()));
+  for (const auto& [name, value] : now.items()) {
+    if (value == usual.value(name, json())) continue;
+    for (const std::string& word : RunOptionWords(name, value)) command.append(" ").append(ShellQuoted(word));
+  }
+  return command;
+}
+
+void ShowDocument(Run* run, const std::string& stage) {
+  if (!run->options.report.report) return;
+  const json shown = ReadOptional(run->workspace.report() / "run.json");
+  if (stage == kPhotosRead && shown.is_null()) WritePhotosDocument(*run);
+  const bool is_finished = shown.is_object() && shown.value("finished", false);
+  if (stage == "train" || (stage == "register" && !is_finished)) WriteStartDocument(run);
 }
 
 json WriteRunDocument(Run* run, const Model& model, const fs::path& video) {

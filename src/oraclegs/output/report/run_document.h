@@ -11,9 +11,10 @@
 
 namespace oraclegs {
 
-/// Writes OUT/report/run.json when training begins, replacing an older one: the training views and the proposals.
-/// ViewsOf(run) must be in memory. A file that cannot be written is a warning.
-void WriteStartDocument(Run* run);
+/// Writes OUT/report/run.json of a run that goes on (RunObserver::Show): some photos, once they are read, and the
+/// training views with the proposals that there are, once poses are known and as training begins. That of a finished
+/// run stays until training begins. Nothing with --no-report. A file that cannot be written is a warning.
+void ShowDocument(Run* run, const std::string& stage);
 
 /// Writes the document of a finished run, with the files that it names, to OUT/report/ and returns it. `video` is that
 /// of an orbit, below OUT; empty = none. Throws InputError, RunError.
