@@ -64,7 +64,7 @@ class StageRunner {
     }
     if (stage.work.load) run_->results->keys[stage.name] = key;
     if (stage.work.report) stage.work.report(run_);
-    if (run_->observer && stage.work.load) run_->observer->Show(run_, stage.name);
+    if (run_->observer && stage.work.load && !run_->split.train.empty()) run_->observer->Show(run_, stage.name);
   }
 
  private:

@@ -9,7 +9,9 @@
 #include "oraclegs/core/host.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/evaluate/support.h"
+#include "oraclegs/gaussians/far_dust.h"
 #include "oraclegs/gaussians/ply.h"
+#include "oraclegs/gaussians/selection.h"
 #include "oraclegs/gaussians/transform.h"
 #include "oraclegs/scene/frame_comments.h"
 #include "oraclegs/stages/evaluate_stage.h"
@@ -235,21 +237,24 @@ std::vector<float> SupportOfModel(const Run& run, const ReadyTrainer& ready) {
   }
 }
 
-void WriteModel(const Run& run, const ReadyTrainer& ready) {
+/// Writes the splat without its far dust. Returns the number of its Gaussians.
+int64_t WriteModel(const Run& run, const ReadyTrainer& ready) {
   const WorkspacePaths& paths = run.workspace;
   const Trainer& trainer = *ready.trainer;
   std::vector<std::string> comments = FrameComments(run.frame);
   for (std::string& comment : LicenseComments(NonCommercialParts(paths))) comments.push_back(std::move(comment));
   if (run.options.train.antialiased) comments.emplace_back(kAntialiasedComment);
   const Similarity written_from_run = WrittenFromRun(run.frame);
-  WriteGaussianPly(
-      paths.point_cloud(),
-      written_from_run.IsIdentity() ? trainer.gaussians() : Transformed(trainer.gaussians(), written_from_run),
-      run.options.train.sh_degree, comments, SupportOfModel(run, ready));
+  const std::vector<int64_t> rows = WithoutFarDust(trainer.gaussians());
+  const Gaussians model = Picked(trainer.gaussians(), rows);
+  WriteGaussianPly(paths.point_cloud(), written_from_run.IsIdentity() ? model : Transformed(model, written_from_run),
+                   run.options.train.sh_degree, comments, Picked(SupportOfModel(run, ready), rows));
   std::error_code ignored;
   fs::remove(paths.exposures(), ignored);
-  if (trainer.exposures().empty()) return;
-  WriteFileAtomically(paths.exposures(), ExposuresToJson(ready.names, trainer.exposures()).dump(1) + "\n");
+  if (!trainer.exposures().empty()) {
+    WriteFileAtomically(paths.exposures(), ExposuresToJson(ready.names, trainer.exposures()).dump(1) + "\n");
+  }
+  return model.size();
 }
 
 std::optional<nlohmann::json> MakeTrain(Run* run, const std::string&) {
@@ -263,14 +268,14 @@ std::optional<nlohmann::json> MakeTrain(Run* run, const std::string&) {
   const TrainResult result = ready.trainer->Run(
       {run->workspace.checkpoints(), run->options.checkpoints.checkpoint_every, std::move(saved_options)},
       run->listener, run->observer ? run->observer->OfTraining(TestScoreOf(*run)) : TrainObserver());
-  WriteModel(*run, ready);
+  const int64_t written = WriteModel(*run, ready);
   KeepLastCheckpoint(*run, *ready.trainer);
   nlohmann::json record{{"seconds", loading + result.seconds},
                         {"training_seconds", result.seconds},
                         {"iterations", result.iterations},
                         {"device", run->plan.device.Name()},
                         {"milliseconds_per_iteration", TimingsToJson(result)},
-                        {"gaussians", ready.trainer->gaussians().size()},
+                        {"gaussians", written},
                         {"chosen", ready.chosen},
                         {"lpips", ready.lpips.empty() ? nlohmann::json() : nlohmann::json(ready.lpips)},
                         {"peak_memory_bytes", PeakMemoryBytes()},

@@ -25,7 +25,7 @@ TEST_F(EarlySplatTest, ShowsPointsAsDots) {
   const EarlySplat sparse = EarlySplatOf(run, "sfm");
   EXPECT_EQ(sparse.of, "sparse points");
   ASSERT_EQ(sparse.gaussians.size(), 51);
-  EXPECT_NEAR(std::exp(sparse.gaussians.log_scales[3]), 0.06, 0.03) << "half of the neighbors' distance";
+  EXPECT_NEAR(std::exp(sparse.gaussians.log_scales[3]), 0.024, 0.012) << "a fifth of the neighbors' distance";
   EXPECT_LT(std::exp(sparse.gaussians.log_scales[150]), 0.3) << "one that is far from all others is no balloon";
   EXPECT_EQ(EarlySplatOf(run, "depth").gaussians.size(), 0) << "no point was found";
 }

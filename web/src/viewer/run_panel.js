@@ -9,7 +9,7 @@ export class RunPanel {
   constructor() {
     this.state = h('p', {class: 'note', role: 'status'});
     this.stages = h('ol', {class: 'stages'});
-    this.curves = h('div', {class: 'curves'});
+    this.curves = h('details', {class: 'curves', hidden: true}, h('summary', {}, 'Curves'));
     this.warnings = h('div', {class: 'warnings'});
     this.element = h('section', {class: 'panel run', hidden: true, 'aria-label': 'Progress of the run'},
       h('h2', {}, 'Run'), this.state, this.stages, this.curves, this.warnings);
@@ -27,6 +27,7 @@ export class RunPanel {
   }
 
   drawCurves(curves) {
+    if (curves.length > 0) this.curves.hidden = false;
     for (const curve of curves) {
       const chart = this.charts.get(curve.name);
       if (chart) {

@@ -11,8 +11,9 @@ namespace oraclegs {
 namespace {
 
 constexpr size_t kMaxPoints = 100000;
-constexpr double kScale = 0.5, kOpacity = 0.95;  // points that touch their neighbors
-constexpr float kMaxScale = 3;                   // times the median: points far from all others are no balloons
+constexpr double kOpacity = 0.95;
+constexpr double kSparseScale = 0.2, kDenseScale = 0.5;  // of the neighbors' distance: dots apart, and a closed surface
+constexpr float kMaxScale = 3;                           // times the median: points far from all others are no balloons
 
 /// Evenly spaced in their list.
 PointCloud Thinned(const PointCloud& cloud) {
@@ -26,9 +27,9 @@ PointCloud Thinned(const PointCloud& cloud) {
   return thinned;
 }
 
-Gaussians Dots(const PointCloud& cloud) {
+Gaussians Dots(const PointCloud& cloud, double scale) {
   if (cloud.xyz.size() < 2) return {};
-  Gaussians dots = InitializeGaussians(Thinned(cloud), {kScale, kOpacity});
+  Gaussians dots = InitializeGaussians(Thinned(cloud), {scale, kOpacity});
   std::vector<float> scales(dots.log_scales.data(), dots.log_scales.data() + 3 * dots.size());
   const float largest = UpperMedian(scales) + std::log(kMaxScale);
   for (int64_t i = 0; i < 3 * dots.size(); ++i) dots.log_scales[i] = std::min(dots.log_scales[i], largest);
@@ -39,8 +40,8 @@ Gaussians Dots(const PointCloud& cloud) {
 
 EarlySplat EarlySplatOf(const Run& run, const std::string& stage) {
   const StageResults& results = *run.results;
-  if (stage == "sfm") return {"sparse points", Dots(ToPointCloud(results.points))};
-  if (stage == "depth") return {"dense points", Dots(ToPointCloud(results.geometry.points))};
+  if (stage == "sfm") return {"sparse points", Dots(ToPointCloud(results.points), kSparseScale)};
+  if (stage == "depth") return {"dense points", Dots(ToPointCloud(results.geometry.points), kDenseScale)};
   if (stage == "proxies" && !results.proxies.empty()) return {"draft model", results.proxies.front().gaussians};
   return {};
 }
