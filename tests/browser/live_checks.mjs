@@ -15,7 +15,7 @@ export async function live(browser, {assets, screenshot}) {
   const {page, problems, close} = await openPage(browser, DESKTOP, server.url);
   const drawn = (part) => page.locator(`.stage[data-drawn*="${part}"]`).waitFor();
   await page.goto(server.url);
-  await page.getByText('Training has not started yet').waitFor();
+  await page.getByText('The program looks for where the photos were taken').waitFor();
   await page.evaluate(() => { globalThis.samePage = true; });
 
   await showsSnapshots();
@@ -24,6 +24,7 @@ export async function live(browser, {assets, screenshot}) {
   await server.close();
   assert.deepEqual(problems, []);
   await saysThatTheProgramHasEnded();
+  await showsPhotosFirst(browser, assets, screenshot);
 
   async function showsSnapshots() {
     state.files.set('live/splat.splat', makeSnapshot(final.gaussians, 0));
@@ -34,6 +35,7 @@ export async function live(browser, {assets, screenshot}) {
     await drawn(' 100 ');
     const camera = await page.evaluate(() => globalThis.oraclegs.scene.current?.id);
     assert.equal(camera, 0, 'the first camera is the first pose as soon as it is known');
+    await page.locator('.run .curves summary').click();
     await page.locator('.run .chart canvas').waitFor();
     assert.match(await page.locator('.stages').textContent(), /100 of 1,000 iterations.*left/);
     const label = await page.locator('.run .chart').getAttribute('aria-label');
@@ -101,4 +103,32 @@ export async function live(browser, {assets, screenshot}) {
     assert.ok(gone.problems.every((problem) => problem.includes('ERR_CONNECTION_REFUSED')), gone.problems.join('\n'));
     await gone.close();
   }
+}
+
+// Before training: photos without cameras fill the stage; then the cameras and points are there.
+async function showsPhotosFirst(browser, assets, screenshot) {
+  const {document: run, files, gaussians} = makeRun();
+  const photos = run.views.filter((view) => view.role === 'train').map(({camera, ...photo}) => photo);
+  const stages = [{name: 'register', state: 'running', seconds: 3, done: 2, total: 4, unit: 'images', detail: '', eta_seconds: 4},
+                  {name: 'train', state: 'planned', seconds: 28}];
+  const state = {document: {...run, splat: null, place: null, finished: false, views: photos}, files: new Map(files),
+                 live: {...makeLive(0), splat: null, curves: [], stages, left_seconds: 80}};
+  const server = await startServer(assets, state);
+  const {page, problems, close} = await openPage(browser, DESKTOP, server.url);
+  await page.goto(server.url);
+  await page.locator('.mosaic img').first().waitFor();
+  assert.equal(await page.locator('.mosaic img').count(), photos.length);
+  await page.getByText('Cameras, points and the splat appear here').waitFor();
+  assert.match(await page.locator('.run').textContent(), /about 80 s left.*train, planned.*about 28 s/);
+  await page.locator('[role=option]').first().click();  // it has no pose to fly to
+  await screenshot(page, 'viewer_photos');
+  state.files.set('live/splat.splat', makeSnapshot(gaussians, 0));
+  state.document = {...run, splat: null, finished: false};
+  state.live = {...state.live, document_revision: 2, splat: {url: 'live/splat.splat', of: 'sparse points', iteration: null, gaussians: 2700}};
+  await page.locator('.stage[data-drawn*="sparse points"]').waitFor();
+  assert.equal(await page.locator('.mosaic').isVisible(), false);
+  assert.match(await page.locator('.facts').textContent(), /sparse points/);
+  assert.deepEqual(problems, []);
+  await close();
+  await server.close();
 }

@@ -128,7 +128,7 @@ class Stereo {
       ThrowIfInterrupted();
       search_.Improve(v);
       const Camera& camera = scene.views[v].camera;
-      listener_(StepDone{"depth", ++done_, total_, "photos", fmt::format("{} x {}", camera.width, camera.height)});
+      listener_(StepDone{"depth", ++done_, total_, "passes", fmt::format("{} x {}", camera.width, camera.height)});
     }
   }
 

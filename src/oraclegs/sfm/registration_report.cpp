@@ -128,7 +128,7 @@ std::string Why(const ViewReport& view) {
     case ViewStatus::kNoCamera:
       return "its matches ask for a lens that there is not, or for a place where its depth agrees with no other photo";
     case ViewStatus::kDoesNotFit:
-      return fmt::format("{} matches with {}, but too few to place it", view.neighbors[0].inliers,
+      return fmt::format("{} matches with {}, but they fit no place beside the others", view.neighbors[0].inliers,
                          view.neighbors[0].name);
   }
   return {};
