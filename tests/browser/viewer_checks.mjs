@@ -43,6 +43,7 @@ export async function desktop(browser, {url, bound, screenshot}) {
     await page.keyboard.press('p');
   }
   await movesByKeys(page);
+  await turnsToADoubleClick(page);
   await page.keyboard.press('?');
   await page.locator('dialog[open]').waitFor();
   await page.keyboard.press('Escape');
@@ -78,6 +79,25 @@ async function choosesByKeyboard(page, views) {
   await page.waitForFunction((id) => `view-${globalThis.oraclegs.scene.current?.id}` === id, second);
   await page.locator('.compare-layer').waitFor({state: 'visible'});
   await page.locator('.details img').first().waitFor();
+}
+
+// What was clicked comes to the middle, and the camera turns around it.
+async function turnsToADoubleClick(page) {
+  await page.keyboard.press('c');  // a camera under the pointer would be flown to
+  const box = await page.locator('.stage canvas').boundingBox();
+  const at = {x: box.width * 0.55, y: box.height * 0.55};
+  const look = () => page.evaluate(() => {
+    const {scene} = globalThis.oraclegs;
+    return {position: scene.pose.position.toArray(), turn: scene.pose.quaternion.toArray(), distance: scene.controls.distance};
+  });
+  const before = await look();
+  await page.locator('.stage canvas').dblclick({position: at});
+  await page.waitForFunction((distance) => globalThis.oraclegs.scene.controls.distance !== distance, before.distance);
+  const after = await look();
+  const moved = Math.hypot(...after.position.map((v, k) => v - before.position[k]));
+  assert.ok(moved < 1e-6 * after.distance, 'the camera stays where it is');
+  assert.notDeepEqual(after.turn, before.turn, 'and looks elsewhere');
+  await page.keyboard.press('c');
 }
 
 async function movesByKeys(page) {

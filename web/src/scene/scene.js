@@ -3,14 +3,14 @@
 //   "view"     detail = the view that was clicked          "hover"  detail = the view under the pointer, or undefined
 //   "arrive"   detail = the view whose pose was reached    "drawn"  everything is on the canvas
 //   "lost"     the graphics context was lost
-import {Vector3} from 'three';
+import {Quaternion, Vector3} from 'three';
 import {countClasses} from '../shared/support_classes.js';
 import {Controls} from './controls.js';
 import {Frusta} from './frusta.js';
 import {defaultIntrinsics, forwardOf, frameOf, lookingAt, poseOf} from './poses.js';
 import {imageRect, mixIntrinsics} from './projection.js';
 import {Provenance} from './provenance.js';
-import {centersOf, decodeSplat} from './splat.js';
+import {centersOf, decodeSplat, pointUnder} from './splat.js';
 import {Stage} from './stage.js';
 
 const FLIGHT_MS = 700;
@@ -32,6 +32,7 @@ export class SplatScene extends EventTarget {
       onClick: (x, y) => this.click(x, y),
       onHover: (x, y) => this.hover(x, y),
     });
+    this.canvas.addEventListener('dblclick', (event) => this.turnTo(event.offsetX, event.offsetY));
     this.canvas.addEventListener('webglcontextlost', (event) => { event.preventDefault(); this.report('lost'); });
     this.canvas.addEventListener('webglcontextrestored', () => this.stage.invalidate());
   }
@@ -141,11 +142,22 @@ export class SplatScene extends EventTarget {
     this.fly(poseOf(view.camera), view, {atOnce});
   }
 
-  // quiet: no "arrive", for a pose that nobody asked to compare.
-  fly(to, view, {atOnce = false, quiet = false}) {
+  // Looks at what is under a pixel; the camera turns around that from then on.
+  turnTo(x, y) {
+    const point = this.mesh && pointUnder(this.mesh, this.stage.camera, this.stage.size, x, y);
+    if (!point) return;
+    const {position, quaternion, intrinsics} = this.pose;
+    const way = point.clone().sub(position);
+    const turn = new Quaternion().setFromUnitVectors(forwardOf(this.pose), way.clone().normalize());
+    this.placed = 'by hand';
+    this.fly({position: position.clone(), quaternion: turn.multiply(quaternion), intrinsics}, undefined, {distance: way.length()});
+  }
+
+  // quiet: no "arrive", for a pose that nobody asked to compare; distance: of the point to turn around, else the scene's.
+  fly(to, view, {atOnce = false, quiet = false, distance = undefined}) {
     this.leave();
     const from = {...this.pose, position: this.pose.position.clone(), quaternion: this.pose.quaternion.clone()};
-    const near = from.position.distanceTo(to.position) < 1e-6 * this.controls.frame.radius;
+    const near = !distance && from.position.distanceTo(to.position) < 1e-6 * this.controls.frame.radius;
     const still = atOnce || near || matchMedia('(prefers-reduced-motion: reduce)').matches;
     const start = performance.now();
     const flight = (this.flight = {});
@@ -159,6 +171,7 @@ export class SplatScene extends EventTarget {
       if (t < 1) return true;
       this.flight = undefined;
       this.controls.aim();
+      if (distance) this.controls.distance = distance;
       if (view) this.arrive(view, quiet);
       return false;
     });
