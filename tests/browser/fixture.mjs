@@ -85,7 +85,7 @@ function tables() {
     registration: {registered: 5, photos: 6, reprojection_error: 0.52, parallax_degrees: 20.4, warnings: [],
                    views: [{name: 'train_0000', status: 'registered', why: '', advice: '', registered: true},
                            {name: 'blurred', status: 'not registered', why: 'few features', advice: 'Take it again with a steady hand.', registered: false}],
-                   advice: ['Take a photo between train_0003 and train_0004.']},
+                   advice: [{text: 'Take a photo between train_0003 and train_0004.', view: 6}]},
     options: [{name: 'iterations', value: '6000', changed: true}, {name: 'seed', value: '0', changed: false}, {name: 'sh_degree', value: '3', changed: false}],
     command: 'oraclegs reconstruct "four balls/" -o out --iterations 6000', licenses: [{name: 'OracleGS', license: 'Apache-2.0', note: ''}],
     warnings: ['<b>One photo</b> was not registered.'], non_commercial: [], memory_bytes: 812345678, device: 'cpu',

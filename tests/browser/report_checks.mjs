@@ -48,7 +48,8 @@ export async function narrow(browser, {file, screenshot}) {
 async function hasItsSections(page, run) {
   const has = (role, ...keys) => run.views?.some((view) => view.role === role && keys.every((key) => view[key]));
   const expected = {
-    splat: run.splat?.url, scores: run.scores?.psnr, test: has('test', 'render', 'image'), proposals: has('proposal', 'image'),
+    splat: run.splat?.url, scores: run.scores?.psnr, photos: has('test', 'render', 'image') || has('train', 'render', 'image'), film: run.video?.url,
+    next: run.registration?.advice?.length, proposals: has('proposal', 'image'),
     support: run.support?.classes?.length, calibration: run.calibration?.bins?.length, plan: run.views?.length,
     registration: run.registration?.views?.length, training: run.curves?.length, stages: run.stages?.length, reproduce: run.command,
     licenses: run.licenses?.length};
@@ -73,17 +74,17 @@ async function showsItsImages(page) {
 }
 
 async function comparesTestViews(page, tests) {
-  const sliders = page.locator('#test .slider-range');
+  const sliders = page.locator('#photos .slider-range');
   assert.equal(await sliders.count(), tests.length);
-  const cut = () => page.locator('#test .slider-top').first().evaluate((image) => image.style.clipPath);
+  const cut = () => page.locator('#photos .slider-top').first().evaluate((image) => image.style.clipPath);
   await sliders.first().focus();
   await page.keyboard.press('Home');
   assert.match(await cut(), /100%/);
   await page.keyboard.press('PageUp');
   assert.doesNotMatch(await cut(), /100%/);
-  const bottom = page.locator('#test .slider-frame img:not(.slider-top)').first();
+  const bottom = page.locator('#photos .slider-frame img:not(.slider-top)').first();
   const before = await bottom.getAttribute('src');
-  const error = page.locator('#test .slider').first().getByRole('radio', {name: 'Error'});
+  const error = page.locator('#photos .slider').first().getByRole('radio', {name: 'Error'});
   if (await error.count()) {
     await error.check();
     assert.notEqual(await bottom.getAttribute('src'), before, 'the error map takes the place of the photo');

@@ -81,7 +81,9 @@ TEST_F(ReportViewsTest, AdvisesWhereLittleIsSupported) {
   for (const LoadedView& view : training) weak.AddTraining(view);
   weak.AddProposals();
   ASSERT_EQ(weak.Advice().size(), 1u);
-  EXPECT_THAT(weak.Advice()[0], testing::HasSubstr("near " + training[0].name));
+  const nlohmann::json advice = weak.Advice()[0];
+  EXPECT_THAT(advice["text"].get<std::string>(), testing::HasSubstr("near " + training[0].name));
+  EXPECT_EQ(weak.Rows()[advice["view"].get<size_t>()]["role"], "proposal") << "a picture of the place";
   ReportViews unknown(run, files, nullptr);
   for (const LoadedView& view : training) unknown.AddTraining(view);
   unknown.AddProposals();

@@ -1,6 +1,6 @@
 // The top of the page: an image, what it is, and what went wrong.
 import {h} from '../shared/dom.js';
-import {number} from '../shared/format.js';
+import {bytes, number} from '../shared/format.js';
 
 export function hero(run) {
   const views = (role) => (run.views ?? []).filter((view) => view.role === role).length;
@@ -14,7 +14,19 @@ export function hero(run) {
   return h('header', {class: image ? 'hero' : 'hero bare'},
     image,
     h('div', {class: 'hero-text'}, h('h1', {}, run.title ?? 'OracleGS'), h('p', {}, facts.join(' · ')),
-      run.hero?.caption && h('p', {}, run.hero.caption)));
+      run.hero?.caption && h('p', {}, run.hero.caption), download(run)));
+}
+
+// The splat lies inside the page: it can be taken out without the program.
+function download({splat, title}) {
+  if (!splat?.url) return null;
+  const name = `${(title ?? 'splat').replace(/[^\p{L}\p{N}_.-]+/gu, '_')}.${splat.format ?? 'spz'}`;
+  return h('p', {}, h('a', {class: 'button', href: splat.url, download: name}, `Download the splat (${(splat.format ?? 'spz').toUpperCase()}${splat.bytes ? `, ${bytes(splat.bytes)}` : ''})`));
+}
+
+export function film(run) {
+  if (!run.video?.url) return null;
+  return h('video', {class: 'film', controls: true, loop: true, muted: true, playsInline: true, preload: 'metadata', src: run.video.url, 'aria-label': 'An orbit around the scene'});
 }
 
 export function warnings(run) {

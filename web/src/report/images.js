@@ -6,14 +6,19 @@ import {imageSlider} from '../ui/image_slider.js';
 import {plasmaLegend} from '../ui/plasma_legend.js';
 
 const MAX_OPEN = 8;  // proposals that are shown without a click
+const MAX_TRAINED = 6;  // training views beside their renders
 
-export function testViews(run) {
-  const views = (run.views ?? []).filter((view) => view.role === 'test' && view.render?.url && view.image?.url);
+// Photos that were held out; without them some that were trained on.
+export function comparisons(run) {
+  const of = (role) => (run.views ?? []).filter((view) => view.role === role && view.render?.url && view.image?.url);
+  const trained = of('train');
+  const step = Math.max(1, Math.ceil(trained.length / MAX_TRAINED));
+  const views = of('test').length ? of('test') : trained.filter((_, i) => i % step === 0);
   if (views.length === 0) return null;
   const supported = views.some((view) => view.support?.url);
   return h('div', {},
-    h('p', {class: 'lead'}, 'Drag the slider: the render is on the left. The right side shows the photo, or where the two differ',
-      supported && ', or how well photos support the render', '.'),
+    h('p', {class: 'lead'}, 'Drag the slider: the render is on the left. The right side shows the photo',
+      views.some((view) => view.error?.url) && ', or where the two differ', supported && ', or how well photos support the render', '.'),
     supported && supportLegend(),
     h('div', {class: 'pairs'}, views.map(pair)));
 }

@@ -1,13 +1,13 @@
 // The report of a run: one page without requests. A section appears where the document has what it shows.
 import {h, put} from '../shared/dom.js';
 import {explorer} from './explorer.js';
-import {hero, warnings} from './hero.js';
-import {proposals, testViews} from './images.js';
+import {film, hero, warnings} from './hero.js';
+import {comparisons, proposals} from './images.js';
 import {calibration, curves, support} from './measures.js';
 import {plan} from './plan.js';
 import {commandAndOptions, licenses} from './record.js';
 import {poses} from './poses.js';
-import {registration} from './registration.js';
+import {next, registration} from './registration.js';
 import {scores, stages} from './scores.js';
 
 const run = JSON.parse(document.getElementById('document').textContent);
@@ -15,8 +15,10 @@ document.title = `${run.title ?? 'OracleGS'} – report`;
 
 const SECTIONS = [
   ['splat', '3D', 'The splat in 3D', explorer],
+  ['film', 'Film', 'The film', film],
+  ['photos', 'Photos', 'The splat beside the photos', comparisons],
+  ['next', 'Next photos', 'What to photograph next', next],
   ['scores', 'Scores', 'Scores', scores],
-  ['test', 'Test views', 'Test views: render and truth', testViews],
   ['proposals', 'Proposals', 'Proposals and their confidence', proposals],
   ['support', 'Support', 'How well photos support the splat', support],
   ['calibration', 'Calibration', 'Is the confidence right?', calibration],

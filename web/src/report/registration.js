@@ -15,9 +15,20 @@ export function registration(run) {
   const troubled = views.filter((view) => view.registered === false || view.why || view.advice);
   return h('div', {}, figures(facts),
     (found.warnings ?? []).map((text) => h('p', {class: 'warning'}, text)),
-    found.advice?.length > 0 && h('div', {class: 'advice'}, h('strong', {}, 'What to photograph next'), h('ul', {}, found.advice.map((text) => h('li', {}, text)))),
     troubled.length > 0 && h('div', {class: 'card'}, rows(troubled)),
     views.length > troubled.length && h('details', {}, h('summary', {}, `All ${views.length} photos`), h('div', {class: 'card'}, rows(views))));
+}
+
+// Where another photo would help, each with how the splat looks from there now.
+export function next(run) {
+  const advice = run.registration?.advice ?? [];
+  if (advice.length === 0) return null;
+  const byId = new Map((run.views ?? []).map((view) => [view.id, view]));
+  return h('div', {class: 'pairs'}, advice.map(({text, view}) => {
+    const render = byId.get(view)?.render;
+    return h('figure', {}, render?.url && h('img', {src: render.url, alt: 'The splat as it looks from there now', loading: 'lazy', decoding: 'async'}),
+      h('figcaption', {class: 'advice'}, text));
+  }));
 }
 
 const rows = (views) => table(views, [

@@ -212,7 +212,7 @@ void ReportViews::AddProposal(const Target& target) {
   if (renderer_) {
     row["render"] = files_.Image(stem + "_render", renderer_->Colors(target.camera));
     if (const auto share = renderer_->SupportedShare(target.camera)) {
-      Seen seen{target.name, {}, *share};
+      Seen seen{rows_.size(), {}, *share};
       for (size_t i = 0; i < std::min<size_t>(2, nearest.size()); ++i) seen.neighbors.push_back(names_[nearest[i]]);
       seen_.push_back(std::move(seen));
     }
@@ -222,10 +222,11 @@ void ReportViews::AddProposal(const Target& target) {
 
 const nlohmann::json& ReportViews::Rows() const { return rows_; }
 
-std::vector<std::string> ReportViews::Advice() const {
+nlohmann::json ReportViews::Advice() const {
   std::vector<Seen> least = seen_;
   std::stable_sort(least.begin(), least.end(), [](const Seen& a, const Seen& b) { return a.supported < b.supported; });
-  std::vector<std::string> advice, places;
+  nlohmann::json advice = nlohmann::json::array();
+  std::vector<std::string> places;
   for (const Seen& seen : least) {
     if (seen.supported >= kWellSupported || advice.size() == kLargestAdvice || seen.neighbors.empty()) break;
     if (std::find(places.begin(), places.end(), seen.neighbors.front()) != places.end()) continue;
@@ -233,9 +234,10 @@ std::vector<std::string> ReportViews::Advice() const {
     const std::string where = seen.neighbors.size() == 1
                                   ? "near " + seen.neighbors[0]
                                   : fmt::format("near {}, toward {}", seen.neighbors[0], seen.neighbors[1]);
-    advice.push_back(fmt::format(
-        "Take a photo {} (proposal {}): two or more photos support only {:.0f} % of what is seen from there.", where,
-        seen.proposal, 100 * seen.supported));
+    advice.push_back(
+        {{"text", fmt::format("Take a photo {}: two or more photos show only {:.0f} % of what is seen there.", where,
+                              100 * seen.supported)},
+         {"view", seen.row}});
   }
   return advice;
 }

@@ -47,14 +47,14 @@ class ReportViews {
 
   const nlohmann::json& Rows() const;
 
-  /// Suggests where another photo would help most: at the proposals whose pixels are least supported. At most three
-  /// sentences; none without a model or without support in it.
-  std::vector<std::string> Advice() const;
+  /// Suggests where another photo would help most: at the proposals whose pixels are least supported. At most three of
+  /// {"text", "view": id of the proposal}; none without a model or without support in it.
+  nlohmann::json Advice() const;
 
  private:
   struct Renderer;
   struct Seen {
-    std::string proposal;
+    size_t row = 0;                      ///< of the proposal
     std::vector<std::string> neighbors;  ///< names of the nearest training views, at most two
     double supported = 0;                ///< share of the pixels that two or more images support
   };

@@ -137,7 +137,7 @@ json SupportOf(const Model& model, const json& metrics) {
   return support;
 }
 
-json RegistrationOf(const Run& run, const std::vector<std::string>& advice) {
+json RegistrationOf(const Run& run, const json& advice) {
   json registration = ReadOptional(run.workspace.sfm() / "registration.json");
   if (!registration.is_object()) {
     if (advice.empty()) return nullptr;
