@@ -49,8 +49,8 @@ class PatchAdjustmentTest : public testing::Test {
     return offsets;
   }
 
-  void Adjust(bool focal = false) {
-    for (int round = 0; round < kRounds; ++round) AdjustScene(Offsets(), given, focal, &scene);
+  void Adjust() {
+    for (int round = 0; round < kRounds; ++round) AdjustScene(Offsets(), given, &scene);
   }
 
   std::vector<Camera> truth, given;
@@ -73,7 +73,6 @@ TEST_F(PatchAdjustmentTest, FindsPosesAndDepths) {
   for (size_t p = 0; p < scene.pixels.size(); ++p) {
     EXPECT_NEAR(scene.pixels[p].inv_depth * scale / true_depths[p], 1, 0.002);
   }
-  EXPECT_EQ(scene.focal_factor, 1);
 }
 
 TEST_F(PatchAdjustmentTest, HoldsTheFirstCameraAndTheLongestBaseline) {
@@ -90,19 +89,9 @@ TEST_F(PatchAdjustmentTest, IsRobustToWrongOffsets) {
   for (int round = 0; round < kRounds; ++round) {
     std::vector<PatchOffset> offsets = Offsets();
     for (size_t k = 0; k < offsets.size(); k += 10) offsets[k].offset += Eigen::Vector2d(9, -6);
-    AdjustScene(offsets, given, false, &scene);
+    AdjustScene(offsets, given, &scene);
   }
   EXPECT_LT(MeanMovement(truth, scene.cameras).degrees, 0.2 * MeanMovement(truth, given).degrees);
-}
-
-TEST_F(PatchAdjustmentTest, FindsTheFocalLength) {
-  std::vector<Camera> wrong = Arc(6, 12, 480, 360);
-  for (Camera& camera : wrong) camera.fx *= 1.02, camera.fy *= 1.02;
-  Make(Arc(6, 12, 480, 360), wrong);
-  Adjust(true);
-  EXPECT_NEAR(scene.focal_factor, 1 / 1.02, 0.003);
-  EXPECT_NEAR(scene.cameras[3].fx, given[3].fx * scene.focal_factor, 1e-9);
-  EXPECT_NEAR(scene.cameras[0].fy, given[0].fy * scene.focal_factor, 1e-9);
 }
 
 TEST_F(PatchAdjustmentTest, LeavesViewsWithoutOffsets) {
@@ -111,7 +100,7 @@ TEST_F(PatchAdjustmentTest, LeavesViewsWithoutOffsets) {
   std::erase_if(offsets, [&](const PatchOffset& offset) {
     return offset.source == 3 || scene.pixels[static_cast<size_t>(offset.pixel)].view == 3;
   });
-  AdjustScene(offsets, given, false, &scene);
+  AdjustScene(offsets, given, &scene);
   EXPECT_LT(TwistBetween(given[3], scene.cameras[3]).tail<3>().norm(), 1e-9);
 }
 
@@ -119,8 +108,8 @@ TEST_F(PatchAdjustmentTest, KeepsWhatCannotBeAdjusted) {
   const Camera camera = Arc(1, 10, 480, 360).front();
   for (const size_t n : {size_t{0}, size_t{1}, size_t{2}}) {
     const std::vector<Camera> same(n, camera);
-    AdjustedScene still{same, {}, 1};
-    AdjustScene({}, same, true, &still);
+    AdjustedScene still{same, {}};
+    AdjustScene({}, same, &still);
     for (const Camera& kept : still.cameras) {
       EXPECT_EQ(kept.cam_from_world.matrix(), camera.cam_from_world.matrix());
     }
@@ -139,7 +128,7 @@ TEST_F(PatchAdjustmentTest, HasTheSameBitsForAnyNumberOfThreads) {
   for (const int threads : {1, 3}) {
     SetNumThreads(threads);
     results[threads / 2] = scene;
-    AdjustScene(Offsets(), given, true, &results[threads / 2]);
+    AdjustScene(Offsets(), given, &results[threads / 2]);
   }
   for (size_t v = 0; v < given.size(); ++v) {
     EXPECT_EQ(results[0].cameras[v].cam_from_world.matrix(), results[1].cameras[v].cam_from_world.matrix());

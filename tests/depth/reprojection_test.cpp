@@ -12,12 +12,6 @@ constexpr double kStep = 1e-6;
 
 class ReprojectionTest : public testing::Test {
  protected:
-  static Camera WithFocal(Camera camera, double factor) {
-    camera.fx *= factor;
-    camera.fy *= factor;
-    return camera;
-  }
-
   Camera view = CameraAt({-0.7, 0.2, -4}, {0, 0.1, 0}), other = CameraAt({0.9, -0.3, -3.5}, {0.1, 0, 0});
   DeepPixel pixel{50.5, 80.5, 0.27};
 };
@@ -48,10 +42,6 @@ TEST_F(ReprojectionTest, HasTheDerivativesOfCentralDifferences) {
   }
   const auto at_depth = [&](double inv_depth) { return Reproject(view, other, {pixel.u, pixel.v, inv_depth})->at; };
   expect_near(seen->by_inv_depth, at_depth(pixel.inv_depth + kStep), at_depth(pixel.inv_depth - kStep));
-  const auto at_focal = [&](double factor) {
-    return Reproject(WithFocal(view, factor), WithFocal(other, factor), pixel)->at;
-  };
-  expect_near(seen->by_focal, at_focal(1 + kStep), at_focal(1 - kStep));
 }
 
 TEST_F(ReprojectionTest, IsNothingBehindTheOtherCamera) {

@@ -153,7 +153,7 @@ TEST(SplitViews, TakesBlendersFiles) {
 
 TEST(SplitViews, RefusesTooFewTrainingViews) {
   EXPECT_THAT(SplitError(SceneOf({}), {}), HasSubstr("0 of 0 photos for training"));
-  EXPECT_THAT(SplitError(NumberedScene(1), Options(0, 0)), HasSubstr("1 of 1 photo for training"));
+  EXPECT_THAT(SplitError(NumberedScene(1), Options(0, 0)), HasSubstr("one photo is not enough; give 3 or more"));
   EXPECT_THAT(SplitError(NumberedScene(2), {.eval = true}),
               HasSubstr("1 of 2 photos for training beside 1 test view;"));
   EXPECT_THAT(SplitError(NumberedScene(9), Options(1)), HasSubstr("1 of 9 photos for training"));

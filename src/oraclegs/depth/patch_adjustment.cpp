@@ -22,7 +22,6 @@ constexpr double kOffsetsAsOne = 50;              // neighbors err alike: this m
 constexpr double kInvDepthSigma = 0.25;           // relative step of an inverse depth
 constexpr double kMinHuber = 0.1, kMaxHuber = 2;  // pixels: bounds of Huber's threshold, the median |across|
 constexpr double kTurnSigma = 0.3 * M_PI / 180, kShiftSigma = 0.01;  // of given poses: radians, shares of the extent
-constexpr double kFocalSigma = 0.03;                                 // relative
 constexpr double kMaxDepthStep = 0.2;                                // relative
 
 /// One offset, linearized: residual in pixels, expected minus found.
@@ -33,8 +32,8 @@ struct OffsetTerm {
   double weight = 0;
 };
 
-/// Normal equations of a view's pixels, inverse depths eliminated: the view, then its source views, then the focal
-/// length. Only the lower triangle of `matrix` is meaningful.
+/// Normal equations of a view's pixels, inverse depths eliminated: the view, then its source views. Only the lower
+/// triangle of `matrix` is meaningful.
 struct LocalSystem {
   Eigen::MatrixXd matrix;
   Eigen::VectorXd gradient;
@@ -48,9 +47,8 @@ struct DepthSystem {
 
 class Adjustment {
  public:
-  Adjustment(const std::vector<PatchOffset>& offsets, const std::vector<Camera>& given, bool focal,
-             const AdjustedScene& scene)
-      : offsets_(offsets), given_(given), focal_(focal), extent_(SpatialExtent(given)), slots_(given.size()) {
+  Adjustment(const std::vector<PatchOffset>& offsets, const std::vector<Camera>& given, const AdjustedScene& scene)
+      : offsets_(offsets), given_(given), extent_(SpatialExtent(given)), slots_(given.size()) {
     first_pixel_.assign(given.size() + 1, scene.pixels.size());
     for (size_t p = scene.pixels.size(); p-- > 0;) first_pixel_[static_cast<size_t>(scene.pixels[p].view)] = p;
     for (size_t v = given.size(); v-- > 0;) first_pixel_[v] = std::min(first_pixel_[v], first_pixel_[v + 1]);
@@ -92,7 +90,7 @@ class Adjustment {
 
  private:
   size_t views() const { return given_.size(); }
-  Eigen::Index Unknowns() const { return static_cast<Eigen::Index>(6 * (views() - 1) + (focal_ ? 1 : 0)); }
+  Eigen::Index Unknowns() const { return static_cast<Eigen::Index>(6 * (views() - 1)); }
   /// Place of a view's twist among the unknowns; nothing for the first camera.
   static std::optional<Eigen::Index> PlaceOf(size_t view) {
     if (view == 0) return std::nullopt;
@@ -144,8 +142,7 @@ class Adjustment {
       costs[v] /= kOffsetsAsOne * kOffsetSigma * kOffsetSigma;
       costs[v] += PriorOf(scene, v).cwiseProduct(PriorWeights()).dot(PriorOf(scene, v)) / 2;
     });
-    const double focal = (scene.focal_factor - 1) / kFocalSigma;
-    return std::accumulate(costs.begin(), costs.end(), focal * focal / 2);
+    return std::accumulate(costs.begin(), costs.end(), 0.0);
   }
 
   Twist PriorOf(const AdjustedScene& scene, size_t v) const { return TwistBetween(given_[v], scene.cameras[v]); }
@@ -164,12 +161,11 @@ class Adjustment {
       depth.gradient += by_depth.dot(term.residual);
       depth.cross.head<6>() += term.at.by_view.transpose() * by_depth;
       depth.cross.segment<6>(static_cast<Eigen::Index>(6 * (term.slot + 1))) += term.at.by_other.transpose() * by_depth;
-      depth.cross[size - 1] += term.at.by_focal.dot(by_depth);
     }
     return depth;
   }
 
-  Eigen::Index LocalSize(size_t v) const { return static_cast<Eigen::Index>(6 * (slots_[v].size() + 1) + 1); }
+  Eigen::Index LocalSize(size_t v) const { return static_cast<Eigen::Index>(6 * (slots_[v].size() + 1)); }
 
   LocalSystem LocalSystemOf(const AdjustedScene& scene, size_t v) const {
     const Eigen::Index size = LocalSize(v);
@@ -183,12 +179,8 @@ class Adjustment {
         local.matrix.topLeftCorner<6, 6>() += view * term.at.by_view;
         local.matrix.block<6, 6>(place, 0) += other * term.at.by_view;
         local.matrix.block<6, 6>(place, place) += other * term.at.by_other;
-        local.matrix.row(size - 1).head<6>() += view * term.at.by_focal;
-        local.matrix.row(size - 1).segment<6>(place) += other * term.at.by_focal;
-        local.matrix(size - 1, size - 1) += term.weight * term.at.by_focal.squaredNorm();
         local.gradient.head<6>() += view * term.residual;
         local.gradient.segment<6>(place) += other * term.residual;
-        local.gradient[size - 1] += term.weight * term.at.by_focal.dot(term.residual);
       }
       if (terms.empty()) continue;
       const DepthSystem depth = DepthSystemOf(terms, scene.pixels[p].inv_depth, size);
@@ -205,7 +197,6 @@ class Adjustment {
       const auto first = PlaceOf(slot == 0 ? v : static_cast<size_t>(slots_[v][slot - 1]));
       for (size_t k = 0; first && k < 6; ++k) places[6 * slot + k] = *first + static_cast<Eigen::Index>(k);
     }
-    if (focal_) places.back() = Unknowns() - 1;
     return places;
   }
 
@@ -234,10 +225,6 @@ class Adjustment {
         matrix.diagonal().segment<6>(*place) += PriorWeights();
         gradient.segment<6>(*place) += PriorWeights().cwiseProduct(PriorOf(scene, v));
       }
-    }
-    if (focal_) {
-      matrix(n - 1, n - 1) += 1 / (kFocalSigma * kFocalSigma);
-      gradient[n - 1] += (scene.focal_factor - 1) / (kFocalSigma * kFocalSigma);
     }
     // A step that would change the baseline is as expensive as any: the scale is free, so it costs the rest nothing.
     const Eigen::VectorXd stretch = StretchOf(scene);
@@ -274,11 +261,7 @@ class Adjustment {
     });
     for (size_t v = 0; v < views(); ++v) {
       if (const auto place = PlaceOf(v)) next.cameras[v] = Stepped(scene.cameras[v], step.segment<6>(*place));
-      if (!focal_) continue;
-      next.cameras[v].fx *= 1 + step[Unknowns() - 1];
-      next.cameras[v].fy *= 1 + step[Unknowns() - 1];
     }
-    if (focal_) next.focal_factor *= 1 + step[Unknowns() - 1];
     HoldBaseline(&next);
     return next;
   }
@@ -298,7 +281,6 @@ class Adjustment {
 
   const std::vector<PatchOffset>& offsets_;
   const std::vector<Camera>& given_;
-  bool focal_;
   double extent_;
   std::vector<std::vector<int>> slots_;  ///< of each view: source views that its pixels have offsets in
   std::vector<size_t> first_pixel_;      ///< of each view, and the end
@@ -310,10 +292,9 @@ class Adjustment {
 
 }  // namespace
 
-void AdjustScene(const std::vector<PatchOffset>& offsets, const std::vector<Camera>& given, bool focal,
-                 AdjustedScene* scene) {
+void AdjustScene(const std::vector<PatchOffset>& offsets, const std::vector<Camera>& given, AdjustedScene* scene) {
   if (given.size() < 2) return;
-  Adjustment(offsets, given, focal, *scene).Run(scene);
+  Adjustment(offsets, given, *scene).Run(scene);
 }
 
 }  // namespace oraclegs

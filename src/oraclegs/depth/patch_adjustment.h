@@ -13,14 +13,11 @@ namespace oraclegs {
 struct AdjustedScene {
   std::vector<Camera> cameras;
   std::vector<OffsetPixel> pixels;  ///< sorted by view; their inverse depths follow
-  double focal_factor = 1;          ///< of all focal lengths, already applied to the cameras
 };
 
 /// Moves `scene` to a minimum of the robust sum of squared distances between where pixels are expected and where they
-/// were found, `offsets` of these pixels in this scene. Poses are held at those of `given`, and focal lengths at
-/// theirs, by weak priors. The focal lengths stay where `focal` is false. The result does not depend on the number of
-/// threads.
-void AdjustScene(const std::vector<PatchOffset>& offsets, const std::vector<Camera>& given, bool focal,
-                 AdjustedScene* scene);
+/// were found, `offsets` of these pixels in this scene. Poses are held at those of `given` by weak priors; intrinsics
+/// stay. The result does not depend on the number of threads.
+void AdjustScene(const std::vector<PatchOffset>& offsets, const std::vector<Camera>& given, AdjustedScene* scene);
 
 }  // namespace oraclegs

@@ -62,7 +62,7 @@ PoseRefinement RefinePoses(const std::vector<LoadedView>& views, const std::vect
 
   for (int round = 0; round < options.rounds; ++round) {
     ThrowIfInterrupted();
-    AdjustScene(offsets, given, options.focal, &scene);
+    AdjustScene(offsets, given, &scene);
     offsets = meter.Measure(scene.cameras, scene.pixels);
   }
   const AcrossResidual after = ResidualAcross(scene.pixels, offsets, scene.cameras);
@@ -85,7 +85,6 @@ PoseRefinement RefinePoses(const std::vector<LoadedView>& views, const std::vect
   }
   refinement.result = PoseRefinementResult::kRefined;
   refinement.cameras = std::move(scene.cameras);
-  refinement.focal_factor = scene.focal_factor;
   return refinement;
 }
 

@@ -15,7 +15,6 @@ struct PoseRefinementOptions {
   double gate = 0.25;   ///< pixels: poses are kept where the residual is below it, and each view's below twice that
   double enough = 0.5;  ///< poses are kept unless the views' residuals fall to this share: good poses gain less
   int rounds = 3;       ///< of measuring and solving
-  bool focal = false;   ///< also refines the focal lengths, by one factor for all views
   size_t pixels_per_view = 2500;  ///< with up to five offsets each
 };
 
@@ -42,8 +41,7 @@ struct PoseRefinement {
   std::vector<Camera> cameras;  ///< of the views; unchanged unless refined
   PoseResidual residual;
   std::vector<RefinedView> views;
-  double focal_factor = 1;  ///< of all focal lengths
-  size_t offsets = 0;       ///< patches behind the residual
+  size_t offsets = 0;  ///< patches behind the residual
 };
 
 /// Whether poses with these residuals, of all views and of each (ResidualAcross), pass the gate.

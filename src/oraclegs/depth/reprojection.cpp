@@ -51,13 +51,11 @@ std::optional<Reprojection> Reproject(const Camera& view, const Camera& other, c
   by_point /= y.z();
 
   Reprojection result;
-  const Eigen::Vector2d from_axis(other.fx * px, other.fy * py);
-  result.at = from_axis + Eigen::Vector2d(other.cx, other.cy);
+  result.at = Eigen::Vector2d(other.fx * px + other.cx, other.fy * py + other.cy);
   result.depth_ratio = y.z();
   result.by_view << -w * by_point * rotation, by_point * rotation * CrossMatrix(ray);
   result.by_other << w * by_point, -by_point * CrossMatrix(y);
   result.by_inv_depth = by_point * translation;
-  result.by_focal = from_axis - by_point * rotation * Eigen::Vector3d(ray.x(), ray.y(), 0);
   return result;
 }
 

@@ -1,6 +1,5 @@
 #pragma once
-// Where another view shows a pixel, and how that changes with poses, depth and focal length
-// (docs/method.md#pose-refinement).
+// Where another view shows a pixel, and how that changes with poses and depth (docs/method.md#pose-refinement).
 
 #include <Eigen/Core>
 #include <optional>
@@ -30,7 +29,6 @@ struct Reprojection {
   Eigen::Matrix<double, 2, 6> by_view;   ///< by the twist of the pixel's view
   Eigen::Matrix<double, 2, 6> by_other;  ///< by the twist of the other view
   Eigen::Vector2d by_inv_depth;          ///< along the epipolar line
-  Eigen::Vector2d by_focal;              ///< by the relative change of both focal lengths
 };
 
 /// Returns nullopt where the point is behind the other camera.

@@ -102,6 +102,10 @@ Split SplitViews(const Scene& scene, const SplitOptions& options) {
                      Counted(split.test.size(), "test view"));
   }
   if (options.views > 0) split.train = PickEvenly(split.train, options.views, options.view_steps);
+  if (scene.views.size() == 1) {
+    throw InputError("{}: one photo is not enough; give 3 or more of the same things from different places",
+                     scene.root.string());
+  }
   if (split.train.size() < 2) {
     throw InputError(
         "{}: {} of {} for training beside {}; training needs 2 or more (3 or better), see --views, --train-views, "
