@@ -11,8 +11,8 @@
 #include "oraclegs/networks/loader.h"
 #include "oraclegs/settings/device.h"
 #include "oraclegs/sfm/register_views.h"
-#include "oraclegs/stages/confirmed_depth.h"
 #include "oraclegs/stages/stage_seconds.h"
+#include "oraclegs/stages/stereo_of_run.h"
 #include "oraclegs/stages/vggt_registration.h"
 #include "oraclegs/workspace/non_commercial.h"
 

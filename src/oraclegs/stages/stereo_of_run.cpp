@@ -1,5 +1,9 @@
 #include "oraclegs/stages/stereo_of_run.h"
 
+#include "oraclegs/scene/loaded_view.h"
+
+#include "oraclegs/scene/frame.h"
+
 #include <algorithm>
 #include <memory>
 #include <utility>
@@ -33,6 +37,21 @@ std::vector<DepthMap> StereoOf(const Run& run, const std::vector<LoadedView>& vi
   };
   return EstimateDepth(views, SeenByTrainingViews(run), run.options.stereo, MakePlaneSearch(run.plan.device).get(),
                        listener);
+}
+
+std::vector<double> ConfirmedDepth(Scene model, Device device) {
+  const std::vector<int> all = AllViews(model);
+  ApplyFrame(NormalFrame(model, all), &model);
+  constexpr int kSmallSide = 250;  // pixels
+  ImageOptions small;
+  small.max_size = kSmallSide;
+  const std::vector<LoadedView> views = LoadViews(model, all, small, Silent());
+  std::vector<double> shares;
+  for (const DepthMap& map :
+       EstimateDepth(views, model.points, StereoOptions(), MakePlaneSearch(device).get(), Silent())) {
+    shares.push_back(ConfidentShare(map));
+  }
+  return shares;
 }
 
 }  // namespace oraclegs

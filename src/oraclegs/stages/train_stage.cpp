@@ -9,7 +9,6 @@
 #include "oraclegs/core/host.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/evaluate/support.h"
-#include "oraclegs/gaussians/far_dust.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/gaussians/selection.h"
 #include "oraclegs/gaussians/transform.h"

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "oraclegs/train/checkpoint.h"
+#include "oraclegs/train/densify.h"
 #include "oraclegs/train/train_device.h"
 
 namespace oraclegs {
@@ -50,7 +51,14 @@ using MethodParts = std::vector<std::shared_ptr<MethodPart>>;
 
 /// Runs what parts do before an iteration's view: Remove, after which the densifier begins anew where Gaussians went,
 /// and BeforeView. Returns the sum of their losses.
-double RunParts(const MethodParts& parts, const Iteration& iteration, Densifier* densifier, TrainedModel* model,
-                PartGradients* gradients);
+inline double RunParts(const MethodParts& parts, const Iteration& iteration, Densifier* densifier, TrainedModel* model,
+                       PartGradients* gradients) {
+  const int64_t before = model->gaussians.size();
+  for (const std::shared_ptr<MethodPart>& part : parts) part->Remove(iteration, model);
+  if (model->gaussians.size() != before) densifier->Begin(model->gaussians.size());
+  double loss = 0;
+  for (const std::shared_ptr<MethodPart>& part : parts) loss += part->BeforeView(iteration, model, gradients);
+  return loss;
+}
 
 }  // namespace oraclegs

@@ -35,6 +35,16 @@ class SnapshotClock {
 /// Writes Gaussians on any device to a .splat file, replacing it. Returns the seconds it took. Throws RunError.
 double WriteSnapshot(const std::filesystem::path& path, const Gaussians& gaussians);
 
+/// A run in 3D before it trains.
+struct EarlySplat {
+  std::string of;       ///< "sparse points", "dense points" or "draft model"
+  Gaussians gaussians;  ///< empty = this stage has nothing new to show
+};
+
+/// Shows a stage that is finished: the points that it found as small Gaussians, at most 100 000 of them, or the first
+/// proxy model.
+EarlySplat EarlySplatOf(const Run& run, const std::string& stage);
+
 /// Writes live/state.json at most twice a second, live/splat.splat while training, and train.csv. It holds a FolderLock
 /// on live/, which tells a running run from one that was killed. It never changes a result or ends a run: a file that
 /// cannot be written is one warning. The destructor writes the end of the run, or Guard when the run fails.
