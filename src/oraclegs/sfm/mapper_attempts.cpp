@@ -183,23 +183,32 @@ class AttemptRunner {
     return CanMatchMissing(by_name, best_.quality());
   }
 
-  /// Leaves out photos that stand at a wrong place, which COLMAP's thresholds alone do not show.
+  /// Leaves out photos that stand at a wrong place, which COLMAP's thresholds alone do not show; then those that only
+  /// agreed with them.
   void LeaveOutMisplaced() {
-    if (!request_.confirmed_shares || !IsSound(best_.quality()) || best_.registered() > kMaxImagesForRetries) return;
-    if (!HasLooseView(best_.quality())) return;  // the check takes a second a photo
+    while (LeaveOutSomeMisplaced()) {
+    }
+  }
+
+  bool LeaveOutSomeMisplaced() {
+    if (!request_.confirmed_shares || !IsSound(best_.quality()) || best_.registered() > kMaxImagesForRetries) {
+      return false;
+    }
+    if (!HasLooseView(best_.quality())) return false;  // the check takes a second a photo
     const Scene model = ReadColmapScene(best_.candidate().model, request_.work_dir / "images", Silent());
     listener_(StepDone{"register", best_.registered(), 0, "images", "checking places by depth"});
     const std::vector<double> shares = request_.confirmed_shares(model);
     std::vector<std::string> misplaced;
     for (const size_t view : MisplacedViews(shares)) misplaced.push_back(model.views[view].name);
-    if (misplaced.empty() || best_.registered() < static_cast<int>(misplaced.size()) + 2) return;
+    if (misplaced.empty() || best_.registered() < static_cast<int>(misplaced.size()) + 2) return false;
     AttemptRecord record{best_.candidate().set.name, "without misplaced photos"};
     try {
       best_.LeaveOut(misplaced, Colmap(0), &record);
     } catch (const ColmapFailure&) {
       // They stay.
     }
-    journal().records.push_back(std::move(record));
+    journal().records.push_back(record);
+    return record.kept;
   }
 
   void Map(const FeatureSet& set, const MapperAttempt& attempt, const ColmapRunner& colmap) {
