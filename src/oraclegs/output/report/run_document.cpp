@@ -285,7 +285,8 @@ std::string CommandOf(const Run& run) {
 void ShowDocument(Run* run, const std::string& stage) {
   if (!run->options.report.report) return;
   const json shown = ReadOptional(run->workspace.report() / "run.json");
-  if (stage == kPhotosRead && shown.is_null()) WritePhotosDocument(*run);
+  // A finished report whose document is lost is made again, and not covered up.
+  if (stage == kPhotosRead && shown.is_null() && run->workspace.Record("report").is_null()) WritePhotosDocument(*run);
   const bool is_finished = shown.is_object() && shown.value("finished", false);
   if (stage == "train" || (stage == "register" && !is_finished)) WriteStartDocument(run);
 }
