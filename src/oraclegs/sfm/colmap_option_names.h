@@ -1,5 +1,5 @@
 #pragma once
-// What newer versions of COLMAP call the options by which this program calls it.
+// Names of options by which this program calls COLMAP, and those of its newer versions.
 
 #include <map>
 #include <mutex>

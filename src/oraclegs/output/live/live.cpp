@@ -224,6 +224,8 @@ void Live::End(RunEnd end, const std::string& message) {
 void Live::Try(FunctionRef<void()> write) {
   try {
     write();
+  } catch (const Interrupted&) {
+    throw;
   } catch (const std::exception& error) {  // a full disk, or no memory for a copy
     if (std::exchange(warned_, true)) return;
     const Warning warning{fmt::format("{}; the live view stands still, the run goes on", error.what())};
