@@ -35,6 +35,7 @@ class ExportCommand : public Command {
     const auto splat = workspace ? WorkspacePaths(input_).point_cloud() : input_;
     CheckExport({splat, file_.out}, options_);
     if (workspace) RequireOutsideScene(std::filesystem::absolute(file_.out).parent_path(), ReadSavedRun(input_).scene);
+    if (workspace) WarnOfUnfinished(WorkspacePaths(input_), listener);
     std::optional<ExportCameras> cameras;
     // An up of the user's choice goes by the cameras where there are any; nothing else asks for them.
     if (workspace && (NeedsCameras(options_) || !options_.up.empty())) cameras = CamerasOf(listener);

@@ -27,8 +27,8 @@ class MeshCommand : public SourceCommand {
     RequireOut(out);
     RequireMeshExtension(out);
     RequireIsosurface();
-    const auto ply = model_.ply.empty() ? WorkspacePaths(input_).point_cloud() : model_.ply;
     const PosedScene posed = OpenScene(listener);
+    const auto ply = SplatFile(listener);
     const Device device = ChooseDevice(options_.device.device, ProbeDevices());
     const Model model = LoadModel(ply, options_, device, posed.frame, listener);
     RequireOutsideScene(std::filesystem::absolute(out).parent_path(), posed.scene, options_.input.images);

@@ -19,8 +19,8 @@ class RenderCommand : public SourceCommand {
     std::filesystem::path out = out_.out;
     if (out.empty() && InputIsWorkspace()) out = WorkspacePaths(input_).renders(Word(path_.path));
     RequireOut(out);
-    const auto ply = model_.ply.empty() ? WorkspacePaths(input_).point_cloud() : model_.ply;
     const PosedScene posed = OpenScene(listener);
+    const auto ply = SplatFile(listener);
     const Device device = ChooseDevice(options_.device.device, ProbeDevices());
     const Model model = LoadModel(ply, options_, device, posed.frame, listener);
     RequireOutsideScene(out, posed.scene, options_.input.images);

@@ -62,6 +62,12 @@ oraclegs::Run SourceCommand::OpenSavedRun(const std::filesystem::path& workspace
 
 bool SourceCommand::InputIsWorkspace() const { return IsWorkspace(input_); }
 
+std::filesystem::path SourceCommand::SplatFile(const Listener& listener) const {
+  if (!model_.ply.empty()) return model_.ply;
+  WarnOfUnfinished(WorkspacePaths(input_), listener);
+  return WorkspacePaths(input_).point_cloud();
+}
+
 void SourceCommand::ApplyDefaults() {
   if (InputIsWorkspace()) {
     ReadSavedOptions(input_);  // the command line and --config are checked later, and named otherwise

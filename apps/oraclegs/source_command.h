@@ -44,6 +44,8 @@ class SourceCommand : public Command {
   PosedScene OpenScene(const Listener& listener) const;
 
   bool InputIsWorkspace() const;
+  /// --ply, or the splat of the workspace; warns of one that is not the result of its run.
+  std::filesystem::path SplatFile(const Listener& listener) const;
   /// Another run, with the options that it was saved with. Throws InputError when the folder is no workspace.
   oraclegs::Run OpenSavedRun(const std::filesystem::path& workspace, const Listener& listener) const;
 

@@ -30,8 +30,12 @@ class Resume(EndToEnd):
         arguments = ["reconstruct", self.scene, "-o", broken, "--threads", 1, "--checkpoint-every", 20, *SMALL_RUN]
 
         self.assertEqual(self.stop_in_training(arguments, broken, signal.SIGINT), 130)
-        self.assertFalse((broken / "point_cloud.ply").exists())
         self.assertFalse((broken / "metrics.json").exists())
+        # What it has so far is a splat, which says everywhere what it is.
+        self.assertIn("unfinished", self.run_program("info", broken).stdout)
+        exported = self.run_program("export", broken, "-o", self.dir / "so_far.spz")
+        self.assertRegex(exported.stderr, r"its run was stopped: this is its model after \d+ of")
+        self.error_of("evaluate", broken, code=3, names=["which has no scores"])
 
         other = [*arguments, "--seed", 5]
         self.error_of(*other, code=3, names=[broken, "--seed was 0, now is 5", "--overwrite"])
@@ -45,6 +49,21 @@ class Resume(EndToEnd):
 
         self.run_program(*other, "--overwrite", "--iterations", 20)
         self.assertNotEqual((straight / "point_cloud.ply").read_bytes(), (broken / "point_cloud.ply").read_bytes())
+
+    def test_a_draft_goes_on_to_a_higher_quality_and_stays_until_then(self):
+        out = self.dir / "raised"
+        small = ["reconstruct", self.scene, "-o", out, "--max-size", 80, "--max-gaussians", 500, "--proposers", "none"]
+        self.run_program(*small, "--quality", "draft", "--set", "horizon=40")
+        draft = (out / "point_cloud.ply").read_bytes()
+
+        normal = [*small, "--quality", "normal", "--set", "horizon=40", "--checkpoint-every", 5]
+        self.assertEqual(self.stop_in_training(normal, out, signal.SIGKILL), -signal.SIGKILL)
+        self.assertEqual((out / "point_cloud.ply").read_bytes(), draft)
+        self.assertIn("splat of --quality draft", self.run_program("info", out).stdout)
+
+        self.run_program(*normal)
+        self.assertNotIn("unfinished", self.run_program("info", out).stdout)
+        self.error_of(*small, "--quality", "draft", "--set", "horizon=40", code=3, names=[out, "--quality was normal"])
 
 
 if __name__ == "__main__":

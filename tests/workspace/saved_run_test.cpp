@@ -34,6 +34,16 @@ TEST(AsksForMoreIterations, TakesWhatAutomaticBecame) {
   EXPECT_FALSE(AsksForMoreIterations(SavedWith({}, {{"iterations", 100}}), {}));
 }
 
+TEST(AsksForHigherQuality, ComparesAllElse) {
+  RunOptions draft, normal;
+  draft.quality.quality = Quality::kDraft;
+  EXPECT_TRUE(AsksForHigherQuality(SavedWith(draft), normal));
+  EXPECT_FALSE(AsksForHigherQuality(SavedWith(normal), draft));
+  EXPECT_FALSE(AsksForHigherQuality(SavedWith(draft), draft));
+  normal.start.seed = 1;
+  EXPECT_FALSE(AsksForHigherQuality(SavedWith(draft), normal));
+}
+
 TEST(ReadRunJson, NamesADamagedFile) {
   TempDir temp;
   WriteText(temp / "stages.json", "{");

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "oraclegs/run/best_so_far.h"
 #include "oraclegs/run/stages.h"
 #include "oraclegs/stages/metrics.h"
 #include "oraclegs/stages/run_observer.h"
@@ -16,7 +17,12 @@ void BringUpToDate(const std::vector<const char*>& stages, Run* run) {
       for (const int view : run->split.test) LoadViews(run->scene, {view}, run->plan.image, Silent());
       if (run->observer) run->observer->Show(run, "register");
     }
-    for (const char* stage : stages) RunStage(run, stage);
+    try {
+      for (const char* stage : stages) RunStage(run, stage);
+    } catch (const Interrupted&) {
+      LeaveBestSoFar(run);
+      throw;
+    }
   });
 }
 
@@ -40,6 +46,10 @@ void EvaluateRun(Run* run) {
   if (!std::filesystem::exists(run->workspace.point_cloud(), ignored)) {
     throw InputError("{}: does not exist; run `oraclegs train` first, or name a point cloud with --ply",
                      run->workspace.point_cloud().string());
+  }
+  if (const std::string of = UnfinishedSplat(run->workspace); !of.empty()) {
+    throw InputError("{}: its run was stopped: this is its {}, which has no scores; the command that began it goes on",
+                     run->workspace.point_cloud().string(), of);
   }
   RunStageAlone(run, Stages(), "evaluate");
 }

@@ -127,7 +127,8 @@ struct QualityOptions {
   static void Visit(Self& self, V&& visit) {
     visit("quality", self.quality,
           "Size of the images, iterations, Gaussians and proposals, where other options do not set them: draft = a "
-          "first look within minutes; normal; high = the most detail, for several times as long");
+          "first look within minutes; normal; high = the most detail, for several times as long. A run goes on to a "
+          "higher quality in its own folder");
   }
 };
 

@@ -58,4 +58,8 @@ StageWork ValidateStage();
 /// On an interrupt a checkpoint is saved and Interrupted thrown.
 StageWork TrainStage();
 
+/// Writes Gaussians in the run's coordinates as point_cloud.ply, without their far dust and with the comments of the
+/// run. `support` is empty or has a number of each. Returns the number written.
+int64_t WriteSplat(const Run& run, const Gaussians& gaussians, const std::vector<float>& support);
+
 }  // namespace oraclegs

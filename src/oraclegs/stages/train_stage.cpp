@@ -128,6 +128,7 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
     fs::remove_all(run.workspace.checkpoints(), error);
     if (error) throw RunError("{}: cannot be removed: {}", run.workspace.checkpoints().string(), SystemReason(error));
   }
+  if (!UnfinishedSplat(run.workspace).empty()) return std::nullopt;  // that of the new training replaces it
   fs::remove(run.workspace.point_cloud(), ignored);
   fs::remove(run.workspace.exposures(), ignored);
   return std::nullopt;
@@ -236,24 +237,17 @@ std::vector<float> SupportOfModel(const Run& run, const ReadyTrainer& ready) {
   }
 }
 
-/// Writes the splat without its far dust. Returns the number of its Gaussians.
+/// Returns the number of Gaussians of the splat.
 int64_t WriteModel(const Run& run, const ReadyTrainer& ready) {
   const WorkspacePaths& paths = run.workspace;
   const Trainer& trainer = *ready.trainer;
-  std::vector<std::string> comments = FrameComments(run.frame);
-  for (std::string& comment : LicenseComments(NonCommercialParts(paths))) comments.push_back(std::move(comment));
-  if (run.options.train.antialiased) comments.emplace_back(kAntialiasedComment);
-  const Similarity written_from_run = WrittenFromRun(run.frame);
-  const std::vector<int64_t> rows = WithoutFarDust(trainer.gaussians());
-  const Gaussians model = Picked(trainer.gaussians(), rows);
-  WriteGaussianPly(paths.point_cloud(), written_from_run.IsIdentity() ? model : Transformed(model, written_from_run),
-                   run.options.train.sh_degree, comments, Picked(SupportOfModel(run, ready), rows));
+  const int64_t written = WriteSplat(run, trainer.gaussians(), SupportOfModel(run, ready));
   std::error_code ignored;
   fs::remove(paths.exposures(), ignored);
   if (!trainer.exposures().empty()) {
     WriteFileAtomically(paths.exposures(), ExposuresToJson(ready.names, trainer.exposures()).dump(1) + "\n");
   }
-  return model.size();
+  return written;
 }
 
 std::optional<nlohmann::json> MakeTrain(Run* run, const std::string&) {
@@ -268,6 +262,7 @@ std::optional<nlohmann::json> MakeTrain(Run* run, const std::string&) {
       {run->workspace.checkpoints(), run->options.checkpoints.checkpoint_every, std::move(saved_options)},
       run->listener, run->observer ? run->observer->OfTraining(TestScoreOf(*run)) : TrainObserver());
   const int64_t written = WriteModel(*run, ready);
+  run->workspace.MarkUndone(kBestSoFar);
   KeepLastCheckpoint(*run, *ready.trainer);
   nlohmann::json record{{"seconds", loading + result.seconds},
                         {"training_seconds", result.seconds},
@@ -284,6 +279,20 @@ std::optional<nlohmann::json> MakeTrain(Run* run, const std::string&) {
 }
 
 }  // namespace
+
+int64_t WriteSplat(const Run& run, const Gaussians& gaussians, const std::vector<float>& support) {
+  std::vector<std::string> comments = FrameComments(run.frame);
+  for (std::string& comment : LicenseComments(NonCommercialParts(run.workspace)))
+    comments.push_back(std::move(comment));
+  if (run.options.train.antialiased) comments.emplace_back(kAntialiasedComment);
+  const Similarity written_from_run = WrittenFromRun(run.frame);
+  const std::vector<int64_t> rows = WithoutFarDust(gaussians);
+  const Gaussians model = Picked(gaussians, rows);
+  WriteGaussianPly(run.workspace.point_cloud(),
+                   written_from_run.IsIdentity() ? model : Transformed(model, written_from_run),
+                   run.options.train.sh_degree, comments, Picked(support, rows));
+  return model.size();
+}
 
 StageWork TrainStage() {
   return {

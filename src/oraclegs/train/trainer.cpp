@@ -238,8 +238,7 @@ TrainResult Trainer::RunToTheEnd(const CheckpointPolicy& policy, const Listener&
   show();
   while (s.iteration < total) {
     if (InterruptRequested()) {
-      if (policy.dir.empty())
-        throw Interrupted(fmt::format("interrupted at iteration {} of {}; nothing was saved", s.iteration, total));
+      if (policy.dir.empty()) throw Interrupted(fmt::format("interrupted at iteration {} of {}", s.iteration, total));
       save();
       throw Interrupted(
           fmt::format("interrupted at iteration {} of {}, saved in {}; run the same command again to "

@@ -79,6 +79,21 @@ std::string DescribeDifference(const nlohmann::json& saved, const RunOptions& no
   return text;
 }
 
+std::string QualityOf(const SavedRun& saved) {
+  const nlohmann::json word = saved.options.value("quality", nlohmann::json());
+  return word.is_string() ? word.get<std::string>() : Word(QualityOptions().quality);
+}
+
+bool AsksForHigherQuality(const SavedRun& saved, const RunOptions& now) {
+  for (const auto& [quality, word] : EnumWords<Quality>::kWords) {
+    if (word != QualityOf(saved) || now.quality.quality <= quality) continue;
+    nlohmann::json others = saved.options;
+    others["quality"] = Word(now.quality.quality);
+    return DescribeDifference(others, now, saved.size).empty();
+  }
+  return false;
+}
+
 int64_t IterationsOf(const SavedRun& saved) {
   for (const nlohmann::json* from : {&saved.options, &saved.size}) {
     const nlohmann::json value = from->is_object() ? from->value("iterations", nlohmann::json()) : nlohmann::json();

@@ -36,6 +36,12 @@ std::string DescribeDifference(const nlohmann::json& saved, const RunOptions& no
 /// True when --iterations, of which there are more now, is the only difference that shapes the result.
 bool AsksForMoreIterations(const SavedRun& saved, const RunOptions& now);
 
+/// True when --quality, which is higher now, is the only difference that shapes the result.
+bool AsksForHigherQuality(const SavedRun& saved, const RunOptions& now);
+
+/// --quality of a saved run.
+std::string QualityOf(const SavedRun& saved);
+
 /// --iterations of a saved run, or their automatic value; 0 where it has none.
 int64_t IterationsOf(const SavedRun& saved);
 

@@ -103,7 +103,8 @@ void RefuseForeignFolder(const fs::path& dir, const fs::path& scene, const std::
   }
   const std::string difference = DescribeDifference(saved.options, options, saved.size);
   // Other options lose nothing while there is only structure from motion, which checks its own inputs.
-  const bool goes_on = may_train_on && AsksForMoreIterations(saved, options) && HasTrained(WorkspacePaths(dir));
+  const bool goes_on = may_train_on && (AsksForHigherQuality(saved, options) ||
+                                        (AsksForMoreIterations(saved, options) && HasTrained(WorkspacePaths(dir))));
   if (!difference.empty() && !goes_on && HasResults(WorkspacePaths(dir))) {
     throw InputError(
         "{}: holds a run with other options ({}); give the same options to continue it, choose another -o, "
@@ -134,9 +135,23 @@ void RequireThere(const FolderLock& lock, const fs::path& dir) {
 
 }  // namespace
 
+std::string UnfinishedSplat(const WorkspacePaths& paths) {
+  const nlohmann::json record = ReadStageRecords(paths.root()).value(kBestSoFar, nlohmann::json());
+  const nlohmann::json of = record.is_object() ? record.value("of", nlohmann::json()) : nlohmann::json();
+  return of.is_string() ? of.get<std::string>() : "";
+}
+
+void WarnOfUnfinished(const WorkspacePaths& paths, const Listener& listener) {
+  const std::string of = UnfinishedSplat(paths);
+  if (of.empty()) return;
+  listener(Warning{fmt::format("{}: its run was stopped: this is its {}; the command that began it goes on",
+                               paths.point_cloud().string(), of)});
+}
+
 bool HasResults(const WorkspacePaths& paths) {
   std::error_code ignored;
-  return fs::exists(paths.point_cloud(), ignored) || fs::exists(paths.metrics(), ignored) ||
+  return (fs::exists(paths.point_cloud(), ignored) && UnfinishedSplat(paths).empty()) ||
+         fs::exists(paths.metrics(), ignored) ||
          (fs::is_directory(paths.checkpoints(), ignored) && HoldsAnything(paths.checkpoints()));
 }
 
@@ -207,6 +222,13 @@ Workspace Workspace::Claim(const fs::path& dir, const fs::path& scene_root, cons
                          {"size", details.size}};
   if (!inputs.empty()) json["inputs"] = inputs;
   if (IsWorkspace(dir) && HasResults(workspace)) {
+    const SavedRun saved = ReadSavedRun(dir);
+    if (AsksForHigherQuality(saved, options)) {
+      workspace.MarkDone(kBestSoFar, {{"of", "splat of --quality " + QualityOf(saved)}});
+      std::error_code error;
+      fs::remove_all(workspace.checkpoints(), error);
+      if (error) throw RunError("{}: cannot be removed: {}", workspace.checkpoints().string(), SystemReason(error));
+    }
     if (const int64_t start = StartIterations(dir, options); start > 0) json["start_iterations"] = start;
   }
   WriteJson(workspace.options(), json);

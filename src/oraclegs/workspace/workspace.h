@@ -47,14 +47,23 @@ class WorkspacePaths {
   std::filesystem::path root_;
 };
 
-/// True when there are results that took long to make: a splat, scores or a checkpoint.
+/// Name of the record of a point cloud that is not the result of its run: {"of": what it shows instead}.
+inline constexpr char kBestSoFar[] = "best so far";
+
+/// What point_cloud.ply of a stopped run shows instead of its result, as "draft model"; "" = it is the result.
+std::string UnfinishedSplat(const WorkspacePaths& paths);
+
+/// Warns of such a point cloud.
+void WarnOfUnfinished(const WorkspacePaths& paths, const Listener& listener);
+
+/// True when there are results that took long to make: a trained splat, scores or a checkpoint.
 bool HasResults(const WorkspacePaths& paths);
 
 /// Further content of options.json.
 struct RunDetails {
   nlohmann::json size;                          ///< values of "auto" (settings/run_size.h); null = not known yet
   std::vector<std::filesystem::path> imported;  ///< inputs of a run whose scene is its own photos/
-  bool may_train_on = true;                     ///< a finished run may be continued with more --iterations
+  bool may_train_on = true;  ///< a finished run may be continued with more --iterations or a higher --quality
 };
 
 /// A workspace held for writing; a second program that asks for the folder is refused meanwhile.
@@ -62,9 +71,10 @@ class Workspace : public WorkspacePaths {
  public:
   /// Claims `dir` for a run of `scene_root` with these options, and writes options.json. An empty or missing folder is
   /// taken. A folder with this run (same scene, same result-shaping options) is continued, also with more --iterations
-  /// when it has trained to its end. With `overwrite` the files of a run of this program are removed first. Throws
-  /// InputError naming the folder, the difference and the fix when it holds another run with results, or files of
-  /// someone else, or lies in the scene folder; RunError when it cannot be written.
+  /// when it has trained to its end, or with a higher --quality, until whose splat is made the old one stays. With
+  /// `overwrite` the files of a run of this program are removed first. Throws InputError naming the folder, the
+  /// difference and the fix when it holds another run with results, or files of someone else, or lies in the scene
+  /// folder; RunError when it cannot be written.
   static Workspace Claim(const std::filesystem::path& dir, const std::filesystem::path& scene_root,
                          const RunOptions& options, bool overwrite, const RunDetails& details = {});
   /// Writes the values of "auto" to options.json, for a run whose photos were not known when it was claimed.

@@ -31,6 +31,7 @@ export function film(run) {
 
 export function warnings(run) {
   const texts = [...(run.warnings ?? [])];
+  if (run.unfinished) texts.unshift(`The run was stopped: this is its ${run.unfinished}. The command that began it goes on.`);
   if (run.finished === false) texts.unshift('The run has not finished: the same command continues it.');
   if (run.non_commercial?.length) texts.push(`For non-commercial use only: made with ${run.non_commercial.join(', ')}.`);
   return texts.length > 0 && h('div', {class: 'warnings', role: 'note', 'aria-label': 'Warnings'}, texts.map((text) => h('p', {class: 'warning'}, text)));

@@ -33,6 +33,12 @@ std::optional<nlohmann::json> MakeReport(Run* run, const std::string&) {
   OrbitVideo film;
   film.frames = run->options.report.orbit_frames;
   const fs::path video = WriteOrbitVideo(*run, model, film);
+  return nlohmann::json{{"files", WriteReport(run, model, video)}};
+}
+
+}  // namespace
+
+std::vector<std::string> WriteReport(Run* run, const Model& model, const fs::path& video) {
   const nlohmann::json document = WriteRunDocument(run, model, video);
   std::vector<std::string> files = {"report/run.json"};
   if (WebPagesBuilt()) {
@@ -43,10 +49,8 @@ std::optional<nlohmann::json> MakeReport(Run* run, const std::string&) {
   } else {
     run->listener(Note{fmt::format("no report.html: {}", HowToBuildWebPages())});
   }
-  return nlohmann::json{{"files", files}};
+  return files;
 }
-
-}  // namespace
 
 StageWork ReportStage() {
   return {.wanted = [](const Run& run) { return run.options.report.report; },

@@ -295,9 +295,11 @@ json WriteRunDocument(Run* run, const Model& model, const fs::path& video) {
   std::error_code ignored;
   fs::remove_all(run->workspace.report(), ignored);
   const ReportFiles files(run->workspace.root());
-  const json metrics = ReadMetrics(run->workspace.root());
+  const std::string unfinished = UnfinishedSplat(run->workspace);
+  const json metrics = unfinished.empty() ? ReadMetrics(run->workspace.root()) : json{{"test", json::object()}};
   json document = BeginDocument(*run);
   document["finished"] = true;
+  if (!unfinished.empty()) document["unfinished"] = unfinished;
   document["place"] = PlaceOf(*run);
   document["splat"] = SplatOf(model, files);
   document["splat"].update(document["place"]);

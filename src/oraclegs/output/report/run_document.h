@@ -16,9 +16,12 @@ namespace oraclegs {
 /// run stays until training begins. Nothing with --no-report. A file that cannot be written is a warning.
 void ShowDocument(Run* run, const std::string& stage);
 
-/// Writes the document of a finished run, with the files that it names, to OUT/report/ and returns it. `video` is that
-/// of an orbit, below OUT; empty = none. Throws InputError, RunError.
+/// Writes the document of a run that is finished, or was stopped and has a splat, with the files that it names, to
+/// OUT/report/ and returns it. `video` is that of an orbit, below OUT; empty = none. Throws InputError, RunError.
 nlohmann::json WriteRunDocument(Run* run, const Model& model, const std::filesystem::path& video);
+
+/// Writes the document and, in a build with the web pages, report.html. Returns the names of both.
+std::vector<std::string> WriteReport(Run* run, const Model& model, const std::filesystem::path& video);
 
 /// Command that makes the run again: the scene, and the options that differ from the defaults, quoted for a shell.
 std::string CommandOf(const Run& run);

@@ -71,7 +71,8 @@ void ViewSource::ShowWorkspace(const fs::path& workspace, const Listener& listen
   if (IsFolderLocked(paths.live())) {
     what_ = "a run that goes on";
   } else if (HasReport(workspace, listener)) {
-    what_ = "a finished run";
+    const std::string unfinished = UnfinishedSplat(paths);
+    what_ = unfinished.empty() ? "a finished run" : fmt::format("a run that was stopped: its {}", unfinished);
   } else if (fs::exists(paths.point_cloud(), ignored)) {
     listener(
         Note{fmt::format("{}: has no report; its splat alone is shown. `oraclegs reconstruct` with the run's own "
