@@ -3,7 +3,7 @@
 #
 #   scripts/datasets.sh [options] NAME...     into DATASETS/NAME/SCENE/
 #
-#   NAME           mipnerf360, blender, llff, dtu, or all
+#   NAME           fox (the scene of docs/tutorial.md), mipnerf360, blender, llff, dtu, or all
 #   --to DATASETS  the folder that gets them; ./datasets unless given
 #   --scenes A,B   these scenes alone
 #   --from URL     a place (http://, file://) that has the archives under their own names, instead of the public ones;
@@ -12,7 +12,7 @@
 #   --list         what there is and where it comes from
 #
 # A download that was cut off goes on with the same command; a scene that is there is not fetched again. Archives whose
-# SHA-256 is known are checked. Of the others (Mip-NeRF 360, DTU) nobody has published one: that of the first download
+# SHA-256 is known are checked. Of the others (fox, Mip-NeRF 360, DTU) nobody has published one: that of the first download
 # is written to DATASETS/NAME/ARCHIVE.sha256, and later ones are checked against it.
 # Needs curl and python3. The datasets have licenses of their own; the pages that --list names have them.
 set -euo pipefail
@@ -31,6 +31,7 @@ dtu=http://roboimagedata2.compute.dtu.dk/data/MVS
 # archive, URL, SHA-256 or "-"
 archives_of() {
   case $1 in
+    fox) echo "instant-ngp.zip https://codeload.github.com/NVlabs/instant-ngp/zip/refs/heads/master -" ;;
     mipnerf360) echo "360_v2.zip $google/360_v2.zip -" ;;
     blender) echo "nerf_synthetic.zip $mirror/nerf_synthetic.zip f01fd1b4ab045b0d453917346f26f898657bb5bec4834b95fdad1f361826e45e" ;;
     llff) echo "nerf_llff_data.zip $mirror/nerf_llff_data.zip 5794b432feaf4f25bcd603addc6ad0270cec588fed6a364b7952001f07466635" ;;
@@ -43,6 +44,7 @@ archives_of() {
 
 scenes_of() {
   case $1 in
+    fox) echo fox ;;
     mipnerf360) echo bicycle bonsai counter garden kitchen room stump ;;
     blender) echo chair drums ficus hotdog lego materials mic ship ;;
     llff) echo fern flower fortress horns leaves orchids room trex ;;
@@ -52,13 +54,14 @@ scenes_of() {
 
 page_of() {
   case $1 in
+    fox) echo "https://github.com/NVlabs/instant-ngp" ;;
     mipnerf360) echo "https://jonbarron.info/mipnerf360/" ;;
     blender | llff) echo "https://www.matthewtancik.com/nerf" ;;
     dtu) echo "https://roboimagedata.compute.dtu.dk/?page_id=36" ;;
   esac
 }
 
-all=(mipnerf360 blender llff dtu)
+all=(fox mipnerf360 blender llff dtu)
 to=datasets from=${ORACLEGS_DATASETS_URL:-} keep=0 wanted= names=()
 while (($# > 0)); do
   case $1 in
@@ -178,15 +181,14 @@ def copy(archive, member, target):
 
 
 def folders(archive, scene):
-    """Files of a folder of this name at the top or one below, by their path in it."""
+    """Files of a folder of this name at the top or up to three below, by their path in it."""
     files = {}
     for member in archive.infolist():
         parts = member.filename.split("/")
         if parts[0] == "__MACOSX" or member.is_dir() or ".." in parts:
             continue
-        for depth in (0, 1):
-            if len(parts) > depth + 1 and parts[depth] == scene:
-                files["/".join(parts[depth + 1:])] = member
+        if scene in parts[:-1][:4]:
+            files["/".join(parts[parts.index(scene) + 1:])] = member
     return files
 
 

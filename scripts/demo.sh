@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds OracleGS, renders a small scene with known truth and reconstructs it from 12 of its 24 images. Nothing is
+# Builds OracleGS with its Python package, renders a small scene with known truth and reconstructs it from 12 of its 24 images. Nothing is
 # downloaded but Debian and npm packages. On two cores packages took three minutes, the build six, the scene two.
 # The results go to build/demo, or to the folder given.
 #   scripts/demo.sh [FOLDER]
@@ -10,7 +10,7 @@ cd "$here"
 
 scripts/bootstrap.sh
 cmake --preset release >/dev/null
-cmake --build --preset release --target oraclegs --parallel "$(nproc)"
+cmake --build --preset release --target oraclegs oraclegs_python --parallel "$(nproc)"
 
 build/release/bin/oraclegs demo -o "$folder"
 

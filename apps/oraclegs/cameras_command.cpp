@@ -36,12 +36,13 @@ class CamerasCommand : public Command {
          {std::pair{&info.options, Tier::kFlag}, std::pair{&info.settings, Tier::kSetting}}) {
       for (const OptionInfo& option : *list) {
         const bool of_scene = option.group == "Scene" || option.group == "Split" || option.group == "Images";
-        if (!of_scene || !table().IsGiven(option.name)) continue;
+        if (!of_scene || option.name == "max-size" || !table().IsGiven(option.name)) continue;
         throw UsageError("{}: a workspace has its own; leave the option out, or name the scene folder",
                          OptionShown(tier, option.name));
       }
     }
     oraclegs::Run run = OpenRunAsSaved(input_, {}, {}, listener);
+    if (!options_.image.max_size.is_auto()) run.plan.image.max_size = options_.image.max_size.value();
     return WriteCameraDataset({run.scene, run.split, run.plan.image, SparsePointsOf(&run), run.frame}, out_.out,
                               listener);
   }

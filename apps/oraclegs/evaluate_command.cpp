@@ -118,8 +118,9 @@ class EvaluateCommand : public SourceCommand {
       return Print(CheckAll(listener));
     }
     if (!model_.ply.empty()) {
+      const PosedScene posed = OpenScene(listener);
       const EvaluateRequest request{model_.ply, options_, out_.out, ORACLEGS_VERSION};
-      return Print(SummaryOf(EvaluatePly(request, OpenScene(listener), listener), out_.out));
+      return Print(SummaryOf(EvaluatePly(request, posed, listener), out_.out));
     }
     if (!out_.out.empty()) throw UsageError("-o goes with --ply; a run's own scores are written to its workspace");
     auto run = OpenRunOfInput(listener);

@@ -1,6 +1,7 @@
 #include "oraclegs/camera/camera_path.h"
 #include "oraclegs/output/export.h"
 #include "oraclegs/scene/loaded_view.h"
+#include "oraclegs/workspace/stage_records.h"
 #include "oraclegs/workspace/workspace.h"
 #include "source_command.h"
 
@@ -35,7 +36,7 @@ class ExportCommand : public Command {
     const auto splat = workspace ? WorkspacePaths(input_).point_cloud() : input_;
     CheckExport({splat, file_.out}, options_);
     if (workspace) RequireOutsideScene(std::filesystem::absolute(file_.out).parent_path(), ReadSavedRun(input_).scene);
-    if (workspace) WarnOfUnfinished(WorkspacePaths(input_), listener);
+    if (workspace) WarnOfUnfinished(input_, listener);
     std::optional<ExportCameras> cameras;
     // An up of the user's choice goes by the cameras where there are any; nothing else asks for them.
     if (workspace && (NeedsCameras(options_) || !options_.up.empty())) cameras = CamerasOf(listener);

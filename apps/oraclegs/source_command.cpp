@@ -4,6 +4,7 @@
 
 #include "config_file.h"
 #include "oraclegs/settings/named_options.h"
+#include "oraclegs/workspace/stage_records.h"
 
 namespace oraclegs {
 
@@ -64,7 +65,7 @@ bool SourceCommand::InputIsWorkspace() const { return IsWorkspace(input_); }
 
 std::filesystem::path SourceCommand::SplatFile(const Listener& listener) const {
   if (!model_.ply.empty()) return model_.ply;
-  WarnOfUnfinished(WorkspacePaths(input_), listener);
+  WarnOfUnfinished(input_, listener);
   return WorkspacePaths(input_).point_cloud();
 }
 
@@ -88,10 +89,14 @@ std::optional<oraclegs::Run> SourceCommand::OpenRunOfInput(const Listener& liste
   return OpenQuietly(request, listener);
 }
 
-PosedScene SourceCommand::OpenScene(const Listener& listener) const {
+PosedScene SourceCommand::OpenScene(const Listener& listener) {
+  if (!InputIsWorkspace()) return ReadPosedScene(input_, options_, listener);
+  const Auto<int> asked = options_.image.max_size, own = ReadSavedOptions(input_).image.max_size;
+  options_.image.max_size = own;
   auto run = OpenRunOfInput(listener);
-  if (run) return {std::move(run->scene), std::move(run->split), run->frame};
-  return ReadPosedScene(input_, options_, listener);
+  options_.image = run->options.image;
+  if (asked != own) options_.image.max_size = asked;
+  return {std::move(run->scene), std::move(run->split), run->frame};
 }
 
 }  // namespace oraclegs

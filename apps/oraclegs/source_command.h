@@ -40,8 +40,9 @@ class SourceCommand : public Command {
   void ApplyDefaults() override;
   /// The run of the workspace; nullopt when the positional is a scene.
   std::optional<oraclegs::Run> OpenRunOfInput(const Listener& listener) const;
-  /// The scene: the run's, or the folder's own.
-  PosedScene OpenScene(const Listener& listener) const;
+  /// Opens the scene: the run's, whose size of images is in options_ then unless --max-size is given, or the folder's
+  /// own.
+  PosedScene OpenScene(const Listener& listener);
 
   bool InputIsWorkspace() const;
   /// --ply, or the splat of the workspace; warns of one that is not the result of its run.

@@ -127,6 +127,15 @@ class Datasets(unittest.TestCase):
         self.run_script("mipnerf360", source=source)
         self.assertTrue((self.to / "mipnerf360/room").exists())
 
+    def test_takes_the_fox_out_of_its_repository(self):
+        root = "instant-ngp-master"
+        self.archive("instant-ngp.zip", {f"{root}/data/nerf/fox/images/0001.jpg": "photo",
+                                         f"{root}/data/nerf/fox/transforms.json": "{}", f"{root}/src/main.cu": "code"})
+        self.run_script("fox")
+        scene = self.to / "fox/fox"
+        self.assertEqual((scene / "images/0001.jpg").read_text(), "photo")
+        self.assertEqual(sorted(p.name for p in scene.iterdir()), ["images", "transforms.json"])
+
     def test_makes_scenes_of_dtu(self):
         self.archive("SampleSet.zip", {f"SampleSet/MVS Data/Calibration/cal18/pos_{n:03d}.txt":
                                        "\n".join(" ".join(map(repr, row)) for row in projection(n)) for n in range(1, 65)})

@@ -95,6 +95,14 @@ class Folders(unittest.TestCase):
         self.assertIn("Input/output error", error_of(text))
         self.check_mended()
 
+    def test_a_disk_that_is_full_for_the_live_page_alone(self):
+        self.copy_finished(STAGES[STAGES.index("depth") :])
+        full = {**Disk(self.lab, self.out / "live").environment(0), "FULL_DISK_NAMES": "1"}
+        code, text = self.lab.start(self.out, environment=full).wait()
+        self.assertEqual(code, 0, text)
+        self.assertEqual(text.count("No space left on device"), 1, text)
+        self.lab.check_finished(self.out, self.reference)
+
     def test_a_temporary_folder_that_is_full_is_not_needed(self):
         disk = Disk(self.lab, self.lab.temporary)
         full = {**disk.environment(0), "FULL_DISK_NAMES": "1"}

@@ -1,13 +1,16 @@
 #include "oraclegs/gaussians/initialize.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 
 #include "oraclegs/camera/scene_bounds.h"
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
 #include "support/buffers.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -167,6 +170,26 @@ TEST(InitializeGaussians, UsesScaleAndOpacityOptions) {
   EXPECT_EQ(InitializeGaussians({}, {}).size(), 0);
   cloud.rgb.pop_back();
   EXPECT_THROW(InitializeGaussians(cloud, {}), ShapeError);
+}
+
+TEST(ReadPointPly, TakesColorsOfEitherKindOrNone) {
+  const TempDir temp;
+  const auto read = [&](const std::string& colors, const std::string& rows) {
+    WriteFileAtomically(temp / "p.ply",
+                        "ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty float y\n"
+                        "property float z\nproperty float confidence\n" +
+                            colors + "end_header\n" + rows);
+    return ReadPointPly(temp / "p.ply");
+  };
+  const std::string bytes = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  const std::string numbers = "property float red\nproperty float green\nproperty float blue\n";
+  const PointCloud of_bytes = read(bytes, "1 2 3 0 255 0 51\nnan 0 0 0 1 1 1\n");
+  ASSERT_EQ(of_bytes.xyz.size(), 1u) << "one is not finite";
+  EXPECT_EQ(of_bytes.xyz[0], Eigen::Vector3f(1, 2, 3));
+  EXPECT_TRUE(of_bytes.rgb[0].isApprox(Eigen::Vector3f(1, 0, 0.2f)));
+  EXPECT_TRUE(read(numbers, "1 2 3 0 0.5 7 -1\n0 0 0 0 1 1 1\n").rgb[0].isApprox(Eigen::Vector3f(0.5f, 1, 0)));
+  EXPECT_EQ(read("", "1 2 3 0\n0 0 0 0\n").rgb[1], Eigen::Vector3f::Constant(0.5f));
+  EXPECT_THROW(read("", "1 2 3 0\n"), InputError);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/run/reconstruct.h"
 #include "oraclegs/run/start.h"
+#include "oraclegs/workspace/stage_records.h"
 #include "run/proposing.h"
 
 namespace oraclegs {
@@ -36,19 +37,19 @@ TEST_F(BestSoFarTest, GrowsWithEachStopAndEndsWithTheResult) {
   StopAt(request, "depth");  // photos this small have no sparse points
   EXPECT_FALSE(std::filesystem::exists(paths.point_cloud()));
   StopAt(request, "proxies");
-  EXPECT_EQ(UnfinishedSplat(paths), "dense points");
+  EXPECT_EQ(UnfinishedSplat(paths.root()), "dense points");
   EXPECT_GT(ReadIntactGaussianPly(paths.point_cloud()).gaussians.size(), 0);
   EXPECT_THAT(ReadFile(paths.report() / "run.json"), HasSubstr("\"unfinished\":\"dense points\""));
   EXPECT_FALSE(HasResults(paths)) << "other options may be given still";
   StopAt(request, "validate");
-  EXPECT_EQ(UnfinishedSplat(paths), "draft model");
+  EXPECT_EQ(UnfinishedSplat(paths.root()), "draft model");
   EXPECT_THAT(recorder.notes, Contains(HasSubstr("is the draft model, the best so far")));
   StopAt(request, "sfm");  // is read back, and shows less than what is there
-  EXPECT_EQ(UnfinishedSplat(paths), "draft model");
+  EXPECT_EQ(UnfinishedSplat(paths.root()), "draft model");
   StopAt(request, "train");  // before its first iteration
-  EXPECT_EQ(UnfinishedSplat(paths), "draft model");
+  EXPECT_EQ(UnfinishedSplat(paths.root()), "draft model");
   Reconstruct(request, Silent());
-  EXPECT_EQ(UnfinishedSplat(paths), "");
+  EXPECT_EQ(UnfinishedSplat(paths.root()), "");
 }
 
 }  // namespace

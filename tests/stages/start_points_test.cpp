@@ -192,5 +192,21 @@ TEST_F(StartPointsTest, KeepsRoomForSparseAndRandomPointsInAHybridStart) {
   EXPECT_EQ(Choose(&run, Points(2000), Dense(2000)).cloud.xyz.size(), 500u) << "never more than the budget";
 }
 
+TEST_F(StartPointsTest, TakesPointsOfAFileInTheScenesCoordinates) {
+  auto run = MakeRun(100);
+  std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 600\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+  for (int i = 0; i < 600; ++i) ply += std::to_string(i) + " 0 7\n";
+  WriteFileAtomically(temp / "points.ply", ply);
+  run.options.start.init_points = temp / "points.ply";
+  const StartPoints start = Choose(&run, Points(100), Dense(100));
+  EXPECT_EQ(start.source, "file");
+  ASSERT_EQ(start.cloud.xyz.size(), 500u) << "the budget";
+  const Eigen::Vector3d first = RunFromScene(run.frame) * Eigen::Vector3d(0, 0, 7);
+  EXPECT_TRUE(start.cloud.xyz[0].isApprox(first.cast<float>()));
+  WriteFileAtomically(temp / "points.ply", ply.replace(ply.find("600"), 3, "  2"));
+  EXPECT_THAT(MessageOf<InputError>([&] { Choose(&run, {}, {}); }), HasSubstr("holds 2 points, too few"));
+}
+
 }  // namespace
 }  // namespace oraclegs

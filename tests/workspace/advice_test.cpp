@@ -25,7 +25,8 @@ class PhotoAdviceTest : public testing::Test {
 TEST_F(PhotoAdviceTest, TakesRegistrationBeforeSupport) {
   Write("sfm/registration.json",
         R"({"views": [{"name": "a.jpg", "advice": null}, {"name": "b.jpg", "advice": "take it again"}]})");
-  Write("report/run.json", R"({"registration": {"advice": ["between a.jpg and c.jpg", "left of a.jpg"]}})");
+  Write("report/run.json",
+        R"({"registration": {"advice": [{"text": "between a.jpg and c.jpg", "view": 3}, {"text": "left of a.jpg"}]}})");
   EXPECT_THAT(PhotoAdvice(temp.path(), 2), ElementsAre("b.jpg: take it again", "between a.jpg and c.jpg"));
 }
 

@@ -33,23 +33,6 @@ std::string Stem(const std::string& name) {
   return stem;
 }
 
-/// File names of the views without extension; names that would collide ("a/b.jpg", "a_b.png") get their number, too.
-std::vector<std::string> FileStems(const std::vector<std::string>& names) {
-  std::map<std::string, int> uses;
-  for (const std::string& name : names) ++uses[Stem(name)];
-  std::vector<std::string> stems;
-  for (size_t i = 0; i < names.size(); ++i) {
-    std::string stem = Stem(names[i]);
-    if (uses[stem] > 1) {
-      stem += fmt::format("_{}", i);
-      while (uses.count(stem) > 0) stem += "_";
-      uses[stem] = 1;
-    }
-    stems.push_back(std::move(stem));
-  }
-  return stems;
-}
-
 uint8_t Byte(float value) { return static_cast<uint8_t>(std::lround(255 * std::clamp(value, 0.f, 1.f))); }
 
 Image8 Blank(const Camera& camera, int channels, int columns = 1) {
@@ -188,10 +171,26 @@ void Append(std::string* bytes, T value) {
 
 }  // namespace
 
+std::vector<std::string> DepthFileStems(const std::vector<std::string>& names) {
+  std::map<std::string, int> uses;
+  for (const std::string& name : names) ++uses[Stem(name)];
+  std::vector<std::string> stems;
+  for (size_t i = 0; i < names.size(); ++i) {
+    std::string stem = Stem(names[i]);
+    if (uses[stem] > 1) {
+      stem += fmt::format("_{}", i);
+      while (uses.count(stem) > 0) stem += "_";
+      uses[stem] = 1;
+    }
+    stems.push_back(std::move(stem));
+  }
+  return stems;
+}
+
 std::vector<std::string> WriteDepthMaps(const fs::path& dir, const std::vector<DepthMap>& maps, double unit) {
   std::vector<std::string> names;
   for (const DepthMap& map : maps) names.push_back(map.name);
-  const std::vector<std::string> stems = FileStems(names);
+  const std::vector<std::string> stems = DepthFileStems(names);
   nlohmann::json params = nlohmann::json::object();
   std::vector<float> scales;
   std::vector<std::string> files;
@@ -216,7 +215,7 @@ std::vector<DepthMap> ReadDepthMaps(const fs::path& dir, const std::vector<std::
                                     const std::vector<Camera>& cameras, double unit) {
   const fs::path params_path = dir / "depth_params.json";
   const nlohmann::json params = ReadParams(params_path);
-  const std::vector<std::string> stems = FileStems(names);
+  const std::vector<std::string> stems = DepthFileStems(names);
   std::vector<DepthMap> maps(names.size());
   ParallelFor(static_cast<int64_t>(names.size()), [&](int64_t task) {
     const auto v = static_cast<size_t>(task);

@@ -2,6 +2,7 @@
 // Depth maps as plain files that other tools open, and as preview images.
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "oraclegs/camera/similarity.h"
@@ -9,7 +10,11 @@
 
 namespace oraclegs {
 
-/// Writes files for each map, with NAME the view's name without extension ("a/b.jpg" -> "a_b"):
+/// Names of the views' files, without extension: "a/b.jpg" -> "a_b"; those that would collide ("a/b.jpg", "a_b.png")
+/// get their number, too.
+std::vector<std::string> DepthFileStems(const std::vector<std::string>& names);
+
+/// Writes files for each map, with NAME by DepthFileStems:
 ///   dir/NAME.png             16-bit gray: inverse depth
 ///   dir/confidence/NAME.png  8-bit gray, 255 = certain
 ///   dir/normals/NAME.png     8-bit RGB, 255 * (n + 1) / 2, camera frame; 0 0 0 where unknown

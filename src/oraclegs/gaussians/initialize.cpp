@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 
 #include "oraclegs/camera/scene_bounds.h"
 #include "oraclegs/core/config.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/rng.h"
 #include "oraclegs/gaussians/neighbors.h"
+#include "oraclegs/gaussians/ply_header.h"
 #if defined(ORACLEGS_CUDA)
 #include "oraclegs/core/cuda/check.h"
 #include "oraclegs/gaussians/cuda/neighbors.h"
@@ -149,6 +152,32 @@ std::vector<double> MeansOn(Device device, const std::vector<Eigen::Vector3f>& p
 }
 
 }  // namespace
+
+PointCloud ReadPointPly(const std::filesystem::path& path) {
+  constexpr float kGray = 0.5f;
+  const std::string bytes = ReadFile(path), file = path.string();
+  const PlyHeader header = ParsePlyHeader(bytes, file);
+  const int vertex = header.Find("vertex");
+  const auto type_of = [&](const char* name) {
+    const int property = vertex < 0 ? -1 : header.elements[vertex].Find(name);
+    return property < 0 ? std::optional<PlyType>() : header.elements[vertex].properties[property].type;
+  };
+  const bool has_colors = type_of("red") && type_of("green") && type_of("blue");
+  std::vector<std::string> names = {"x", "y", "z"};
+  if (has_colors) names.insert(names.end(), {"red", "green", "blue"});
+  const float white = type_of("red") == PlyType::kUint8 ? 255.f : 1.f;
+  const std::vector<float> values = ReadPlyColumns(bytes, header, "vertex", names, file);
+  PointCloud cloud;
+  for (size_t at = 0; at < values.size(); at += names.size()) {
+    const Eigen::Vector3f point(values[at], values[at + 1], values[at + 2]);
+    Eigen::Vector3f color = Eigen::Vector3f::Constant(kGray);
+    if (has_colors) color = Eigen::Vector3f(values[at + 3], values[at + 4], values[at + 5]) / white;
+    if (!point.allFinite() || !color.allFinite()) continue;
+    cloud.xyz.push_back(point);
+    cloud.rgb.push_back(color.cwiseMax(0).cwiseMin(1));
+  }
+  return cloud;
+}
 
 std::vector<float> MeanSquaredNeighborDistance(const std::vector<Eigen::Vector3f>& points, Device device) {
   for (const Eigen::Vector3f& p : points) {

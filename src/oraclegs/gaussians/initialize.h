@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <filesystem>
 #include <vector>
 
 #include "oraclegs/camera/camera.h"
@@ -18,6 +19,10 @@ struct PointCloud {
 };
 
 PointCloud ToPointCloud(const std::vector<ScenePoint>& points);
+
+/// Reads a PLY of colored points: x y z, and red green blue of 8 bits or of numbers up to 1; gray without. Points
+/// that are not finite are left out. Throws InputError naming the file.
+PointCloud ReadPointPly(const std::filesystem::path& path);
 
 /// n points uniform in the Blender cube [-1.3, 1.3]^3, colors near gray.
 PointCloud RandomPointsInBlenderCube(int64_t n, uint64_t seed);

@@ -16,6 +16,7 @@
 #include "oraclegs/stages/metrics.h"
 #include "oraclegs/train/checkpoint.h"
 #include "oraclegs/train/checkpoint_folder.h"
+#include "oraclegs/workspace/stage_records.h"
 #include "oraclegs/workspace/workspace.h"
 
 namespace oraclegs {
@@ -102,7 +103,7 @@ nlohmann::json DescribeWorkspace(const fs::path& path) {
   nlohmann::json info = {{"kind", "workspace"}, {"scene", saved.scene.string()}, {"options", saved.options}};
   std::error_code ignored;
   info["point_cloud"] = fs::exists(paths.point_cloud(), ignored);
-  if (const std::string of = UnfinishedSplat(paths); !of.empty()) info["unfinished"] = of;
+  if (const std::string of = UnfinishedSplat(path); !of.empty()) info["unfinished"] = of;
   if (const auto checkpoint = NewestCheckpoint(paths.checkpoints())) info["checkpoint"] = checkpoint->string();
   if (fs::exists(paths.metrics(), ignored)) info["metrics"] = ReadMetrics(path);
   return info;

@@ -13,6 +13,7 @@
 #include "oraclegs/stages/stage_works.h"
 #include "oraclegs/train/checkpoint.h"
 #include "oraclegs/train/checkpoint_folder.h"
+#include "oraclegs/workspace/stage_records.h"
 
 namespace oraclegs {
 namespace {
@@ -45,8 +46,7 @@ Best FromCheckpoint(const Run& run) {
       Checkpoint checkpoint = ReadCheckpoint(path);
       const int64_t total = run.options.train.iterations.value();
       return {fmt::format("model after {} of {} iterations", checkpoint.iteration, total),
-              std::move(checkpoint.gaussians),
-              WorthOfTraining(checkpoint.iteration, total)};
+              std::move(checkpoint.gaussians), WorthOfTraining(checkpoint.iteration, total)};
     } catch (const InputError&) {  // is said when the run goes on
     }
   }
@@ -64,7 +64,6 @@ Best BestOf(const Run& run) {
   return {};
 }
 
-/// Of the point cloud that stands there.
 Worth WorthOfSplat(const Run& run) {
   std::error_code ignored;
   if (!std::filesystem::exists(run.workspace.point_cloud(), ignored)) return Worth::kNothing;
@@ -80,7 +79,7 @@ void Write(Run* run) {
     WriteSplat(*run, best.gaussians, {});
     run->workspace.MarkDone(kBestSoFar, {{"of", best.of}, {"worth", static_cast<int>(best.worth)}});
   }
-  const std::string of = UnfinishedSplat(paths);
+  const std::string of = UnfinishedSplat(paths.root());
   if (of.empty()) return;
   run->listener(Note{fmt::format("{} is the {}, the best so far", paths.point_cloud().string(), of)});
   if (!run->options.report.report) return;

@@ -6,6 +6,7 @@
 #include "oraclegs/run/stages.h"
 #include "oraclegs/stages/metrics.h"
 #include "oraclegs/stages/run_observer.h"
+#include "oraclegs/workspace/stage_records.h"
 
 namespace oraclegs {
 
@@ -47,7 +48,7 @@ void EvaluateRun(Run* run) {
     throw InputError("{}: does not exist; run `oraclegs train` first, or name a point cloud with --ply",
                      run->workspace.point_cloud().string());
   }
-  if (const std::string of = UnfinishedSplat(run->workspace); !of.empty()) {
+  if (const std::string of = UnfinishedSplat(run->workspace.root()); !of.empty()) {
     throw InputError("{}: its run was stopped: this is its {}, which has no scores; the command that began it goes on",
                      run->workspace.point_cloud().string(), of);
   }

@@ -5,6 +5,7 @@
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
+#include "oraclegs/core/statistics.h"
 #include "oraclegs/train/timings.h"
 #include "oraclegs/train/trainer.h"
 
@@ -16,7 +17,7 @@ constexpr double kProgramBytes = 150e6, kBytesOfGaussian = 1100, kBytesOfViewPix
                  kBytesOfWorkPixel = 170, kBytesOfLoadedPixel = 44;
 
 constexpr int kSide = 256, kGaussians = 20000;
-constexpr int kWarmUps = 2, kSteps = 10;
+constexpr int kWarmUps = 2, kSteps = 21;
 constexpr double kReferenceMilliseconds = 7.4;  // time of a step on the reference machine
 
 /// A square in front of the camera, filled with small Gaussians.
@@ -48,15 +49,14 @@ std::unique_ptr<Trainer> MakeProbe() {
 
 double Measure() {
   const auto trainer = MakeProbe();
-  double mean = 0;
+  std::vector<double> milliseconds;
   for (int i = 0; i < kWarmUps + kSteps; ++i) {
     const Stopwatch watch;
     trainer->Step();
-    const double milliseconds = 1e3 * watch.Seconds();
-    // The mean, not the best: other work on the machine slows the run, too.
-    if (i >= kWarmUps) mean += milliseconds / kSteps;
+    if (i >= kWarmUps) milliseconds.push_back(1e3 * watch.Seconds());
   }
-  return mean / kReferenceMilliseconds;
+  // Not the best: other work on the machine slows the run, too. Not the mean: a moment's stall does not.
+  return UpperMedian(std::move(milliseconds)) / kReferenceMilliseconds;
 }
 
 }  // namespace

@@ -105,9 +105,7 @@ struct FrameOptions {
         "scale", self.scale,
         "A length that you know, as IMG_1,IMG_2=0.35: these two photos were taken 0.35 m apart; for scenes with poses "
         "also the meters of a unit. Without it, by GPS where EXIF has it. Exports and meshes are in meters then");
-    visit("force", self.force,
-          "Train with given poses that hardly any match between the photos fits, where a run would end; they are named "
-          "all the same");
+    visit("force", self.force, "Train even with given poses that hardly any match between the photos fits");
   }
 };
 
@@ -126,9 +124,9 @@ struct QualityOptions {
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("quality", self.quality,
-          "Size of the images, iterations, Gaussians and proposals, where other options do not set them: draft = a "
-          "first look within minutes; normal; high = the most detail, for several times as long. A run goes on to a "
-          "higher quality in its own folder");
+          "Size, iterations, Gaussians and proposals, unless other options set them: draft = a first look within "
+          "minutes; "
+          "normal; high = the most detail, for much longer. A run can go on to a higher one");
   }
 };
 
@@ -139,26 +137,28 @@ struct StartOptions {
   double init_opacity = 0.5;
   bool init_planes = true;
   uint64_t seed = 0;
+  std::filesystem::path init_points = {};
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit(
         "sfm-points", self.sfm_points,
         "Where sparse points come from: triangulate = by colmap from the training views alone, with their poses fixed; "
-        "model = those of the scene's own model that two training views saw, though test views helped to place them; "
-        "auto = model where all photos train, else triangulate",
+        "model = of the scene's own those that two training views saw; auto = model where all photos train",
         Tier::kSetting);
     visit("init", self.init,
           "Where the Gaussians start: dense = points of multi-view stereo, sfm = points triangulated from the training "
           "views, random = in the volume they look at, random-cube = as 3DGS-MCMC's authors draw them, in a cube of "
-          "three times the cameras' extent around the origin, hybrid = the first three, auto = dense, or sfm joined by "
+          "thrice the cameras' extent around the origin, hybrid = the first three, auto = dense, or sfm joined by "
           "random points where stereo finds little, or random alone below 100");
     visit("init-scale", self.init_scale,
           "Initial scale as a factor of the distance to the neighbors; auto = 1 for a dense start, 0.1 for others",
           Range{1e-6, 10}, Tier::kSetting);
     visit("init-opacity", self.init_opacity, "Initial opacity", Range{0.006, 0.99}, Tier::kSetting);
-    visit("init-planes", self.init_planes,
-          "Extend fitted planes into textureless regions (walls, lawns) where stereo finds nothing", Tier::kSetting);
+    visit("init-points", self.init_points,
+          "A PLY of points that the Gaussians start from in place of --init (there, too)", Tier::kSetting);
+    visit("init-planes", self.init_planes, "Extend fitted planes into walls and lawns where stereo finds nothing",
+          Tier::kSetting);
     visit("seed", self.seed, "Seed of all random numbers; the same seed gives the same bits",
           Range{0, 9007199254740992.0});
   }
@@ -166,6 +166,7 @@ struct StartOptions {
 
 struct DepthOptions {
   Auto<DepthPrior> depth_prior;
+  std::filesystem::path depth_folder;
   Auto<PoseRefining> refine_poses;
 
   template <class Self, class V>
@@ -175,6 +176,9 @@ struct DepthOptions {
           "aligned to the sparse points; fused = stereo where it is confident, elsewhere the network's, warped to fit "
           "stereo; auto = fused where the network's weights are, else stereo; none = no depth, which leaves a sparse "
           "start and no proposals but a generator's");
+    visit("depth-folder", self.depth_folder,
+          "Folder of your own depth of the training views (docs/formats.md#depth-and-points-of-your-own)",
+          Tier::kSetting);
     visit(
         "refine-poses", self.refine_poses,
         "Correct the poses of the photos by what dense stereo sees: patches that lie beside their epipolar lines. on; "

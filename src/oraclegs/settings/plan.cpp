@@ -123,6 +123,9 @@ Plan MakePlan(const RunOptions& options, bool has_poses) {
   plan.needs_depth = NeedsDepth(options);
   plan.proposes = ProposesViews(options);
   plan.has_proposals = HasProposals(options);
+  if (!plan.needs_depth && !options.depth.depth_folder.empty()) {
+    throw UsageError("--set depth-folder: nothing in this run uses depth; leave out --depth-prior none");
+  }
   if (plan.needs_depth) plan.depth = ChooseDepthSource(options);
   plan.refines_poses = RefinesPoses(options, plan);
   if (plan.has_proposals) plan.oracle = ChooseOracle(options);

@@ -67,6 +67,7 @@ fs::path FindKeypointWeights() {
 
 DepthSource ChooseDepthSource(const RunOptions& options) {
   const Auto<DepthPrior>& asked = options.depth.depth_prior;
+  if (!options.depth.depth_folder.empty()) return {DepthPrior::kStereo, {}};
   if (asked == DepthPrior::kNone || asked == DepthPrior::kStereo) return {asked.value(), {}};
   const std::vector<fs::path> files = FindWeights(kDepthModel, options.weights.depth_weights);
   if (files.size() > 1) {

@@ -19,6 +19,7 @@ AttemptRecord RecordFromJson(const nlohmann::json& json) {
   json.at("reprojection_error").get_to(record.reprojection_error);
   json.at("parallax_degrees").get_to(record.parallax_degrees);
   json.at("kept").get_to(record.kept);
+  json.at("flaw").get_to(record.flaw);
   return record;
 }
 
@@ -31,7 +32,8 @@ nlohmann::json RecordToJson(const AttemptRecord& record) {
           {"points", record.points},
           {"reprojection_error", record.reprojection_error},
           {"parallax_degrees", record.parallax_degrees},
-          {"kept", record.kept}};
+          {"kept", record.kept},
+          {"flaw", record.flaw}};
 }
 
 AttemptJournal ReadAttemptJournal(const std::filesystem::path& folder) {

@@ -16,7 +16,8 @@ struct AttemptRecord {
   int registered = 0, points = 0;
   double reprojection_error = 0;  ///< pixels
   double parallax_degrees = 0;
-  bool kept = false;  ///< at most one is
+  bool kept = false;      ///< at most one is
+  std::string flaw = {};  ///< why its model cannot be right; "" = it can, or there is none
 };
 
 struct AttemptJournal {

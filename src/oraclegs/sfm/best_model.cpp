@@ -27,6 +27,7 @@ void NoteQuality(const ModelQuality& quality, AttemptRecord* record) {
   record->points = quality.points;
   record->reprojection_error = quality.reprojection_error;
   record->parallax_degrees = quality.parallax_degrees;
+  record->flaw = FlawOf(quality);
 }
 
 }  // namespace

@@ -89,11 +89,17 @@ ModelQuality MeasureModel(const fs::path& model_dir) {
   return MeasureModel(ReadColmapCameras(model_dir), ReadColmapImages(model_dir), ReadColmapPoints(model_dir));
 }
 
-bool IsSound(const ModelQuality& model) {
+bool IsSound(const ModelQuality& model) { return model.registered() >= 2 && FlawOf(model).empty(); }
+
+std::string FlawOf(const ModelQuality& model) {
+  if (model.registered() == 0) return "";
   const bool is_near = std::any_of(model.images.begin(), model.images.end(),
                                    [](const auto& entry) { return entry.second.nearest_degrees < kMaxDegreesOfSift; });
-  return model.registered() >= 2 && model.plausible_intrinsics && is_near &&
-         model.points >= kMinPointsPerImage * model.registered() && model.parallax_degrees >= kMinParallax;
+  if (!model.plausible_intrinsics) return "it needs a lens that there is not";
+  if (model.points < kMinPointsPerImage * model.registered()) return "too few points hold its photos";
+  if (!is_near) return "its photos share what they see only from far apart";
+  if (model.parallax_degrees < kMinParallax) return "its photos are of one place";
+  return "";
 }
 
 bool HasPlausiblePart(const ModelQuality& model) {

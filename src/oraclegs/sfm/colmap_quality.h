@@ -50,6 +50,9 @@ inline constexpr double kMaxDegreesOfSift = 55;
 /// (colmap drops what does not fit).
 bool IsSound(const ModelQuality& model);
 
+/// Why a model is not sound, in a few words; "" for one that is, or that has no images.
+std::string FlawOf(const ModelQuality& model);
+
 /// True when a model would be plausible without the images of `implausible_images`: they are the fewer, and two or more
 /// are left.
 bool HasPlausiblePart(const ModelQuality& model);

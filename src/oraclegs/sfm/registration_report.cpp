@@ -153,6 +153,17 @@ nlohmann::json ViewToJson(const ViewReport& view) {
   return json;
 }
 
+/// Why a model was kept, or another one was.
+std::string WhyKept(const AttemptRecord& attempt, const RegistrationReport& report) {
+  if (attempt.kept) return "the best model";
+  if (attempt.registered == 0) return "it found no model";
+  if (!attempt.flaw.empty()) return attempt.flaw;
+  if (attempt.registered > report.registered()) return "some of its photos stand at wrong places";
+  if (attempt.registered < report.registered()) return "the best model has more photos";
+  if (attempt.points < report.model.points) return "the best model has more points";
+  return "the best model fits more closely";
+}
+
 void AddWarnings(RegistrationReport* report) {
   for (const ViewReport& view : report->views) {
     if (view.status != ViewStatus::kDuplicate) continue;
@@ -237,7 +248,11 @@ bool TakenFromOnePoint(const RegistrationReport& report) {
 
 nlohmann::json ReportToJson(const RegistrationReport& report) {
   nlohmann::json attempts = nlohmann::json::array(), views = nlohmann::json::array();
-  for (const AttemptRecord& attempt : report.attempts) attempts.push_back(RecordToJson(attempt));
+  for (const AttemptRecord& attempt : report.attempts) {
+    attempts.push_back(RecordToJson(attempt));
+    attempts.back().erase("flaw");
+    attempts.back()["why"] = WhyKept(attempt, report);
+  }
   for (const ViewReport& view : report.views) views.push_back(ViewToJson(view));
   return {{"format", 2},
           {"photos", report.views.size()},

@@ -9,6 +9,7 @@
 #include "oraclegs/depth/depth_files.h"
 #include "oraclegs/depth/fusion.h"
 #include "oraclegs/depth/gains.h"
+#include "oraclegs/depth/given_depth.h"
 #include "oraclegs/depth/overlap.h"
 #include "oraclegs/networks/networks.h"
 #include "oraclegs/scene/frame_comments.h"
@@ -32,12 +33,21 @@ bool IsWhole(const Run& run) {
   return run.plan.depth.prior == DepthPrior::kMonocular && run.options.train.depth_loss == DepthLoss::kPaper;
 }
 
+std::vector<std::string> NamesOf(const Run& run) {
+  std::vector<std::string> names;
+  for (const int view : run.split.train) names.push_back(run.scene.views[static_cast<size_t>(view)].name);
+  return names;
+}
+
 /// The device is no part of it, as of no stage's: it may differ when a run is continued, and depth that another device
 /// found is right in the same measure, if not in the same bits. The stage's record says which one it was.
 void AddDepthKey(Run* run, Fingerprint* key) {
   const DepthSource& source = run->plan.depth;
   key->Add(ViewsKey(run, run->split.train, run->plan.image));
   key->Add(OptionsToJson(run->options.image).dump()).Add(OptionsToJson(run->options.stereo).dump());
+  if (const std::filesystem::path& folder = run->options.depth.depth_folder; !folder.empty()) {
+    for (const std::filesystem::path& file : GivenDepthFiles(folder, NamesOf(*run))) key->AddFile(file);
+  }
   if (source.HasNetwork()) {
     key->Add(kMonocularVersion).Add(Word(source.prior)).Add(run->files.Of(source.weights));
     if (IsWhole(*run)) key->Add("whole");
@@ -83,6 +93,11 @@ MonocularMaps FindDepth(Run* run_, const TrainingViews& training) {
   const Run& run = *run_;
   const DepthSource& source = run.plan.depth;
   const std::vector<LoadedView>& views = training.views;
+  if (const std::filesystem::path& folder = run.options.depth.depth_folder; !folder.empty()) {
+    return {ReadGivenDepth(folder, NamesOf(run), WorkingCameras(run.scene, run.split.train, run.plan.image),
+                           WrittenFromRun(run.frame).scale),
+            0};
+  }
   std::vector<RelativeDepth> predicted;  // first: a damaged file is reported at once
   if (source.HasNetwork()) {
     const auto larger = LargerViews(run, kDepthNetworkSide);
@@ -164,6 +179,8 @@ void ReportNetwork(const Run& run) {
     run.listener(
         Note{fmt::format("{} ({}) is right to {:.0f} % on {:.0f} % of what it was tested on",
                          DepthNetworkName(source.weights), Word(source.prior), 100 * kRightWithin, 100 * right)});
+  } else if (!run.options.depth.depth_folder.empty()) {
+    run.listener(Note{fmt::format("depth is that of {}", run.options.depth.depth_folder.string())});
   } else if (run.options.depth.depth_prior.is_auto()) {
     run.listener(Note{fmt::format("depth is from stereo alone: there are no weights of Depth Anything V2; {}",
                                   HowToFetch(kDepthModel))});

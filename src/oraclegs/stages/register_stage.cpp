@@ -133,7 +133,7 @@ StageWork RegisterStage() {
               },
           .seconds =
               [](const EstimateInput& input) {
-                constexpr double kMapping = 3, kMappingOfPhoto = 0.3;
+                constexpr double kMapping = 3, kMappingOfPhoto = 1;
                 return SecondsOfFeatures(input, input.photos) + kMapping + kMappingOfPhoto * input.photos;
               },
           .uses_network = [](const Run& run) { return run.plan.poses.has_value(); }};

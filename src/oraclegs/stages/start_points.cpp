@@ -24,6 +24,10 @@ class StartBuilder {
         budget_(static_cast<size_t>(run.options.train.max_gaussians.value())) {}
 
   StartPoints Build() {
+    if (const std::filesystem::path& file = run_.options.start.init_points; !file.empty()) {
+      AddFile(file);
+      return std::move(start_);
+    }
     const StartCounts found{geometry_.points.size(), sfm_.size(), budget_, run_.plan.needs_depth};
     for (const StartKind kind : SettleStart(run_.options.start, found, run_.listener)) Add(kind);
     return std::move(start_);
@@ -52,6 +56,29 @@ class StartBuilder {
     }
   }
 
+  void AddFile(const std::filesystem::path& file) {
+    PointCloud cloud = ReadPointPly(file);
+    if (cloud.xyz.size() < kMinPointsForScale) {
+      throw InputError("{}: holds {}, too few to start from", file.string(), Counted(cloud.xyz.size(), "point"));
+    }
+    const Similarity run_from_scene = RunFromScene(run_.frame);
+    for (Eigen::Vector3f& point : cloud.xyz) point = (run_from_scene * point.cast<double>()).cast<float>();
+    Append(Thinned(std::move(cloud)), "file");
+  }
+
+  /// At most as many points as there is budget left for, evenly spaced in their list.
+  PointCloud Thinned(PointCloud cloud) const {
+    const size_t limit = Left(), n = cloud.xyz.size();
+    if (n <= limit) return cloud;
+    run_.listener(Note{fmt::format("starting from {} of {} points (--max-gaussians)", limit, n)});
+    for (size_t i = 0; i < limit; ++i) {
+      cloud.xyz[i] = cloud.xyz[i * n / limit];
+      cloud.rgb[i] = cloud.rgb[i * n / limit];
+    }
+    cloud.xyz.resize(limit), cloud.rgb.resize(limit);
+    return cloud;
+  }
+
   void AddHybrid() {
     const auto random = static_cast<size_t>(kRandomShare * static_cast<double>(budget_));
     AddDense(budget_ - std::min(budget_, random + sfm_.size()));
@@ -73,16 +100,7 @@ class StartBuilder {
     Append(DenseStart(run_.options.start, views_, geometry_, std::min(limit, Left())), "dense");
   }
 
-  void AddSfm() {
-    std::vector<ScenePoint> points = sfm_;
-    const size_t limit = Left();
-    if (points.size() > limit) {
-      run_.listener(Note{fmt::format("starting from {} of {} points (--max-gaussians)", limit, points.size())});
-      for (size_t i = 0; i < limit; ++i) points[i] = points[i * points.size() / limit];
-      points.resize(limit);
-    }
-    Append(ToPointCloud(points), "sfm");
-  }
+  void AddSfm() { Append(Thinned(ToPointCloud(sfm_)), "sfm"); }
 
   void AddRandom(size_t limit, bool in_cube) {
     const auto n = static_cast<int64_t>(std::min(limit, Left()));

@@ -18,7 +18,7 @@ PointCloud DenseStart(const StartOptions& options, const std::vector<LoadedView>
 
 struct StartPoints {
   PointCloud cloud;
-  std::string source;  ///< those of "dense", "sfm" and "random" that took part, joined by "+"
+  std::string source;  ///< those of "dense", "sfm" and "random" that took part, joined by "+"; or "file"
 };
 
 /// Points and views that a start is chosen from.
@@ -28,9 +28,9 @@ struct StartEvidence {
   const Geometry& geometry;
 };
 
-/// Where the Gaussians start, recorded as "start": from what SettleStart says for --init. Random points fill the
-/// volume that the training cameras look at (the Blender cube for Blender scenes). At most --max-gaussians points.
-/// Throws InputError when --init names points of which there are none.
+/// Where the Gaussians start, recorded as "start": from what SettleStart says for --init, or the points of --set
+/// init-points. Random points fill the volume that the training cameras look at (the Blender cube for Blender scenes).
+/// At most --max-gaussians points. Throws InputError when --init names points of which there are none.
 StartPoints ChooseStart(Run* run, const StartEvidence& known);
 
 }  // namespace oraclegs

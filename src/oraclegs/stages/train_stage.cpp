@@ -24,13 +24,19 @@
 #include "oraclegs/train/train_device.h"
 #include "oraclegs/train/trainer.h"
 #include "oraclegs/workspace/non_commercial.h"
+#include "oraclegs/workspace/stage_records.h"
 
 namespace oraclegs {
 namespace {
 
 namespace fs = std::filesystem;
 
+void AddStartFile(const Run& run, Fingerprint* key) {
+  if (const fs::path& file = run.options.start.init_points; !file.empty()) key->AddFile(file);
+}
+
 void AddTrainKey(Run* run, Fingerprint* key) {
+  AddStartFile(*run, key);
   key->Add(ShapingOptionsToJson(run->options).dump());
   key->Add(ViewsKey(run, run->split.train, run->plan.image));
   if (run->plan.has_proposals && run->options.train.proposal_lpips > 0) key->Add(run->files.OfAll(run->plan.lpips));
@@ -48,6 +54,7 @@ std::string InputsOf(Run* run) {
   nlohmann::json options = ShapingOptionsToJson(run->options);
   options.erase("iterations");
   print.Add(options.dump());
+  AddStartFile(*run, &print);
   print.Add(ViewsKey(run, run->split.train, run->plan.image));
   if (run->plan.has_proposals && run->options.train.proposal_lpips > 0) print.Add(run->files.OfAll(run->plan.lpips));
   return print.Hex();
@@ -128,7 +135,7 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
     fs::remove_all(run.workspace.checkpoints(), error);
     if (error) throw RunError("{}: cannot be removed: {}", run.workspace.checkpoints().string(), SystemReason(error));
   }
-  if (!UnfinishedSplat(run.workspace).empty()) return std::nullopt;  // that of the new training replaces it
+  if (!UnfinishedSplat(run.workspace.root()).empty()) return std::nullopt;  // that of the new training replaces it
   fs::remove(run.workspace.point_cloud(), ignored);
   fs::remove(run.workspace.exposures(), ignored);
   return std::nullopt;

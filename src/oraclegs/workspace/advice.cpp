@@ -47,8 +47,8 @@ std::vector<std::string> PhotoAdvice(const std::filesystem::path& workspace, siz
   }
   const json document = ReadOrNull(paths.report() / "run.json");
   if (document.is_object() && document.contains("registration")) {
-    for (const json& text : ListAt(document["registration"], "advice")) {
-      if (text.is_string()) advice.push_back(text.get<std::string>());
+    for (const json& place : ListAt(document["registration"], "advice")) {
+      if (const std::string text = TextAt(place, "text"); !text.empty()) advice.push_back(text);
     }
   }
   if (advice.size() > most) advice.resize(most);

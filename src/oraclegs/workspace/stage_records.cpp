@@ -106,4 +106,17 @@ nlohmann::json ReadStageRecords(const std::filesystem::path& workspace) {
   return InspectStageRecords(workspace).by_stage;
 }
 
+std::string UnfinishedSplat(const std::filesystem::path& workspace) {
+  const json record = ReadStageRecords(workspace).value(kBestSoFar, json());
+  const json of = record.is_object() ? record.value("of", json()) : json();
+  return of.is_string() ? of.get<std::string>() : "";
+}
+
+void WarnOfUnfinished(const std::filesystem::path& workspace, const Listener& listener) {
+  const std::string of = UnfinishedSplat(workspace);
+  if (of.empty()) return;
+  listener(Warning{fmt::format("{}: its run was stopped: this is its {}; the command that began it goes on",
+                               (workspace / "point_cloud.ply").string(), of)});
+}
+
 }  // namespace oraclegs

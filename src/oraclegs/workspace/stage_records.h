@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "oraclegs/core/progress.h"
+
 namespace oraclegs {
 
 struct StageRecords {
@@ -19,5 +21,14 @@ StageRecords InspectStageRecords(const std::filesystem::path& workspace);
 
 /// Sound records of stages.json.
 nlohmann::json ReadStageRecords(const std::filesystem::path& workspace);
+
+/// Name of the record of a point cloud that is not the result of its run: {"of": what it shows instead}.
+inline constexpr char kBestSoFar[] = "best so far";
+
+/// Names what point_cloud.ply of a stopped run shows instead of its result, as "draft model"; "" = it is the result.
+std::string UnfinishedSplat(const std::filesystem::path& workspace);
+
+/// Warns of such a point cloud.
+void WarnOfUnfinished(const std::filesystem::path& workspace, const Listener& listener);
 
 }  // namespace oraclegs

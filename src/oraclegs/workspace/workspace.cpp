@@ -135,22 +135,9 @@ void RequireThere(const FolderLock& lock, const fs::path& dir) {
 
 }  // namespace
 
-std::string UnfinishedSplat(const WorkspacePaths& paths) {
-  const nlohmann::json record = ReadStageRecords(paths.root()).value(kBestSoFar, nlohmann::json());
-  const nlohmann::json of = record.is_object() ? record.value("of", nlohmann::json()) : nlohmann::json();
-  return of.is_string() ? of.get<std::string>() : "";
-}
-
-void WarnOfUnfinished(const WorkspacePaths& paths, const Listener& listener) {
-  const std::string of = UnfinishedSplat(paths);
-  if (of.empty()) return;
-  listener(Warning{fmt::format("{}: its run was stopped: this is its {}; the command that began it goes on",
-                               paths.point_cloud().string(), of)});
-}
-
 bool HasResults(const WorkspacePaths& paths) {
   std::error_code ignored;
-  return (fs::exists(paths.point_cloud(), ignored) && UnfinishedSplat(paths).empty()) ||
+  return (fs::exists(paths.point_cloud(), ignored) && UnfinishedSplat(paths.root()).empty()) ||
          fs::exists(paths.metrics(), ignored) ||
          (fs::is_directory(paths.checkpoints(), ignored) && HoldsAnything(paths.checkpoints()));
 }

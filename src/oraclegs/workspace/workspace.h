@@ -47,15 +47,6 @@ class WorkspacePaths {
   std::filesystem::path root_;
 };
 
-/// Name of the record of a point cloud that is not the result of its run: {"of": what it shows instead}.
-inline constexpr char kBestSoFar[] = "best so far";
-
-/// What point_cloud.ply of a stopped run shows instead of its result, as "draft model"; "" = it is the result.
-std::string UnfinishedSplat(const WorkspacePaths& paths);
-
-/// Warns of such a point cloud.
-void WarnOfUnfinished(const WorkspacePaths& paths, const Listener& listener);
-
 /// True when there are results that took long to make: a trained splat, scores or a checkpoint.
 bool HasResults(const WorkspacePaths& paths);
 

@@ -84,6 +84,15 @@ TEST_F(ReportViewsTest, AdvisesWhereLittleIsSupported) {
   const nlohmann::json advice = weak.Advice()[0];
   EXPECT_THAT(advice["text"].get<std::string>(), testing::HasSubstr("near " + training[0].name));
   EXPECT_EQ(weak.Rows()[advice["view"].get<size_t>()]["role"], "proposal") << "a picture of the place";
+  model.support.assign(model.support.size(), 1.f);
+  std::fill_n(model.gaussians.opacity_logits.data(), model.gaussians.size(), 10.f);
+  for (int64_t i = 0; i < 3 * model.gaussians.size(); ++i) model.gaussians.log_scales[i] += 2;
+  ReportViews enough(run, files, &model);
+  for (const LoadedView& view : training) enough.AddTraining(view);
+  enough.AddProposals();
+  ASSERT_EQ(enough.Advice().size(), 1u);
+  EXPECT_THAT(enough.Advice()[0]["text"].get<std::string>(), testing::HasSubstr("You have enough photos"));
+  EXPECT_TRUE(enough.Advice()[0]["view"].is_null());
   ReportViews unknown(run, files, nullptr);
   for (const LoadedView& view : training) unknown.AddTraining(view);
   unknown.AddProposals();

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/depth/silhouettes.h"
 #include "oraclegs/image/colormap.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/propose/nearest_order.h"
@@ -106,9 +107,15 @@ struct ReportViews::Renderer {
     if (!tinted) return std::nullopt;
     return ToImage8(rasterizer->Forward(*tinted, camera, flat, RenderPass::kInference).image);
   }
-  std::optional<double> SupportedShare(const Camera& camera) {
+  /// Share of the pixels that two or more images support; `of_object`: of those that the model covers.
+  std::optional<double> SupportedShare(const Camera& camera, bool of_object) {
     if (!seen) return std::nullopt;
-    return MeanOf(ValuesOf(ToImage8(rasterizer->Forward(*seen, camera, flat, RenderPass::kInference).image)));
+    const RenderOutput output = rasterizer->Forward(*seen, camera, flat, RenderPass::kInference);
+    const double supported = MeanOf(ValuesOf(ToImage8(output.image)));
+    if (!of_object) return supported;
+    const Buffer<float> alpha = output.alpha.To(kCpu);
+    const double covered = MeanOf({alpha.span().begin(), alpha.span().end()});
+    return covered > 0 ? std::min(1., supported / covered) : 1;
   }
 
   const Model& model;
@@ -157,6 +164,7 @@ void ReportViews::AddTraining(const LoadedView& view) {
   rows_.push_back(std::move(row));
   names_.push_back(view.name);
   cameras_.push_back(view.camera);
+  of_object_ = of_object_ || !view.alpha.empty() || !Silhouettes({view}).empty();
 }
 
 void ReportViews::AddTest(const LoadedView& view) {
@@ -211,7 +219,7 @@ void ReportViews::AddProposal(const Target& target) {
   if (!nearest.empty()) row["nearest"] = nearest.front();
   if (renderer_) {
     row["render"] = files_.Image(stem + "_render", renderer_->Colors(target.camera));
-    if (const auto share = renderer_->SupportedShare(target.camera)) {
+    if (const auto share = renderer_->SupportedShare(target.camera, of_object_)) {
       Seen seen{rows_.size(), {}, *share};
       for (size_t i = 0; i < std::min<size_t>(2, nearest.size()); ++i) seen.neighbors.push_back(names_[nearest[i]]);
       seen_.push_back(std::move(seen));
@@ -226,11 +234,15 @@ nlohmann::json ReportViews::Advice() const {
   std::vector<Seen> least = seen_;
   std::stable_sort(least.begin(), least.end(), [](const Seen& a, const Seen& b) { return a.supported < b.supported; });
   nlohmann::json advice = nlohmann::json::array();
-  std::vector<std::string> places;
+  std::vector<std::vector<std::string>> places;
   for (const Seen& seen : least) {
     if (seen.supported >= kWellSupported || advice.size() == kLargestAdvice || seen.neighbors.empty()) break;
-    if (std::find(places.begin(), places.end(), seen.neighbors.front()) != places.end()) continue;
-    places.push_back(seen.neighbors.front());
+    const bool is_told = std::any_of(places.begin(), places.end(), [&](const std::vector<std::string>& place) {
+      return place.front() == seen.neighbors.front() ||
+             std::is_permutation(place.begin(), place.end(), seen.neighbors.begin(), seen.neighbors.end());
+    });
+    if (is_told) continue;
+    places.push_back(seen.neighbors);
     const std::string where = seen.neighbors.size() == 1
                                   ? "near " + seen.neighbors[0]
                                   : fmt::format("near {}, toward {}", seen.neighbors[0], seen.neighbors[1]);
@@ -238,6 +250,12 @@ nlohmann::json ReportViews::Advice() const {
         {{"text", fmt::format("Take a photo {}: two or more photos show only {:.0f} % of what is seen there.", where,
                               100 * seen.supported)},
          {"view", seen.row}});
+  }
+  if (advice.empty() && !least.empty()) {
+    advice.push_back({{"text", fmt::format("You have enough photos: two or more of them show at least {:.0f} % of what "
+                                           "is seen from every place that was tried.",
+                                           100 * least.front().supported)},
+                      {"view", nullptr}});
   }
   return advice;
 }

@@ -48,7 +48,8 @@ class ReportViews {
   const nlohmann::json& Rows() const;
 
   /// Suggests where another photo would help most: at the proposals whose pixels are least supported. At most three of
-  /// {"text", "view": id of the proposal}; none without a model or without support in it.
+  /// {"text", "view": id of the proposal}, or one that says that there are photos enough, with a null view; none
+  /// without a model or without support in it.
   nlohmann::json Advice() const;
 
  private:
@@ -68,6 +69,7 @@ class ReportViews {
   std::vector<std::string> names_;  ///< names of the training views
   std::vector<Camera> cameras_;     ///< cameras of the training views
   std::vector<Seen> seen_;
+  bool of_object_ = false;  ///< the photos show an object before a plain background, of which nobody needs more
 };
 
 }  // namespace oraclegs

@@ -25,6 +25,7 @@
 #include "oraclegs/stages/metrics.h"
 #include "oraclegs/stages/run_observer.h"
 #include "oraclegs/workspace/non_commercial.h"
+#include "oraclegs/workspace/stage_records.h"
 
 namespace oraclegs {
 namespace {
@@ -143,7 +144,6 @@ json RegistrationOf(const Run& run, const json& advice) {
     if (advice.empty()) return nullptr;
     registration = json::object();
   }
-  registration.erase("attempts");
   registration["advice"] = advice;
   if (!registration.contains("views")) return registration;
   for (json& view : registration["views"]) {
@@ -295,7 +295,7 @@ json WriteRunDocument(Run* run, const Model& model, const fs::path& video) {
   std::error_code ignored;
   fs::remove_all(run->workspace.report(), ignored);
   const ReportFiles files(run->workspace.root());
-  const std::string unfinished = UnfinishedSplat(run->workspace);
+  const std::string unfinished = UnfinishedSplat(run->workspace.root());
   const json metrics = unfinished.empty() ? ReadMetrics(run->workspace.root()) : json{{"test", json::object()}};
   json document = BeginDocument(*run);
   document["finished"] = true;

@@ -6,6 +6,7 @@
 #include "oraclegs/core/folder_lock.h"
 #include "oraclegs/formats/splat_file.h"
 #include "oraclegs/web/site.h"
+#include "oraclegs/workspace/stage_records.h"
 #include "oraclegs/workspace/workspace.h"
 
 namespace oraclegs {
@@ -71,7 +72,7 @@ void ViewSource::ShowWorkspace(const fs::path& workspace, const Listener& listen
   if (IsFolderLocked(paths.live())) {
     what_ = "a run that goes on";
   } else if (HasReport(workspace, listener)) {
-    const std::string unfinished = UnfinishedSplat(paths);
+    const std::string unfinished = UnfinishedSplat(workspace);
     what_ = unfinished.empty() ? "a finished run" : fmt::format("a run that was stopped: its {}", unfinished);
   } else if (fs::exists(paths.point_cloud(), ignored)) {
     listener(

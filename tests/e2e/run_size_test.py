@@ -1,0 +1,58 @@
+#!/usr/bin/env python3
+"""Commands on a run work at its size, also where that was automatic, or at --max-size."""
+
+import json
+import subprocess
+
+from harness import EndToEnd, command, main, read_png
+
+WIDTH, OWN, ASKED = 640, 500, 200  # pixels: of the photos, of a draft, of --max-size
+
+
+class RunSize(EndToEnd):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.scene, cls.run_folder = cls.dir / "large", cls.dir / "run"
+        size = ["--demo-views", 6, "--width", WIDTH, "--height", 480, "--samples", 1]
+        subprocess.run(command("demo-scene", cls.scene, "--quiet", *size), check=True)
+        few = ["--iterations", 40, "--max-gaussians", 3000, "--init", "random", "--proposers", "none", "--no-report"]
+        subprocess.run(command("reconstruct", cls.scene, "-o", cls.run_folder, "--quiet", "--quality", "draft", "--eval", *few), check=True)
+
+    def widths(self, folder):
+        return {read_png(file)[0] for file in folder.rglob("*.png")}
+
+    def test_the_run_is_smaller_than_its_photos(self):
+        self.assertEqual(json.loads((self.run_folder / "options.json").read_text())["options"]["max-size"], "auto")
+        self.assertEqual(self.widths(self.run_folder / "renders/test"), {OWN})
+
+    def test_render_takes_its_size_or_another(self):
+        for options, width in [([], OWN), (["--max-size", ASKED], ASKED)]:
+            out = self.dir / f"frames{width}"
+            self.run_program("render", self.run_folder, "-o", out, "--frames", 1, *options)
+            self.assertEqual(self.widths(out), {width})
+
+    def test_cameras_take_its_size_or_another(self):
+        for options, width in [([], OWN), (["--max-size", ASKED], ASKED)]:
+            out = self.dir / f"cameras{width}"
+            self.run_program("cameras", self.run_folder, "-o", out, *options)
+            self.assertEqual(json.loads((out / "transforms.json").read_text())["frames"][0]["w"], width)
+
+    def test_mesh_takes_voxels_of_its_size(self):
+        voxels = {}
+        for options, width in [([], OWN), (["--max-size", ASKED], ASKED)]:
+            said = self.run_program("mesh", self.run_folder, "-o", self.dir / f"{width}.ply", "--renders", 6, *options)
+            voxels[width] = float(said.stdout.split("voxels of ")[1].split(")")[0].split()[0])
+        self.assertGreater(voxels[ASKED], 1.5 * voxels[OWN])
+
+    def test_a_splat_of_others_is_scored_at_its_size(self):
+        out = self.dir / "scored"
+        self.run_program("evaluate", self.run_folder, "--ply", self.run_folder / "point_cloud.ply", "-o", out)
+        self.assertEqual(self.widths(out / "renders/test"), {OWN})
+
+    def test_other_options_than_the_size_are_refused(self):
+        self.error_of("render", self.run_folder, "--max-size", ASKED, "--seed", 3, code=3, names=["--seed was 0, now is 3"])
+
+
+if __name__ == "__main__":
+    main()
