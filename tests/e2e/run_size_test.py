@@ -36,7 +36,7 @@ class RunSize(EndToEnd):
         for options, width in [([], OWN), (["--max-size", ASKED], ASKED)]:
             out = self.dir / f"cameras{width}"
             self.run_program("cameras", self.run_folder, "-o", out, *options)
-            self.assertEqual(json.loads((out / "transforms.json").read_text())["frames"][0]["w"], width)
+            self.assertEqual(json.loads((out / "transforms.json").read_text())["w"], width)
 
     def test_mesh_takes_voxels_of_its_size(self):
         voxels = {}
@@ -51,7 +51,7 @@ class RunSize(EndToEnd):
         self.assertEqual(self.widths(out / "renders/test"), {OWN})
 
     def test_other_options_than_the_size_are_refused(self):
-        self.error_of("render", self.run_folder, "--max-size", ASKED, "--seed", 3, code=3, names=["--seed was 0, now is 3"])
+        self.error_of("render", self.run_folder, "--downscale", 3, code=3, names=["--downscale was auto, now is 3"])
 
 
 if __name__ == "__main__":
