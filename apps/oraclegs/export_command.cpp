@@ -1,4 +1,5 @@
 #include "oraclegs/camera/camera_path.h"
+#include "oraclegs/formats/splat_file.h"
 #include "oraclegs/output/export.h"
 #include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/workspace/stage_records.h"
@@ -34,6 +35,11 @@ class ExportCommand : public Command {
     RequireOut(file_.out);
     const bool workspace = IsWorkspace(input_);
     const auto splat = workspace ? WorkspacePaths(input_).point_cloud() : input_;
+    std::error_code ignored;
+    if (!workspace && std::filesystem::is_directory(input_, ignored) && !IsSplatFolder(input_)) {
+      throw InputError("{}: holds no run of oraclegs; name the workspace of a run (its -o), or a splat file",
+                       input_.string());
+    }
     CheckExport({splat, file_.out}, options_);
     if (workspace) RequireOutsideScene(std::filesystem::absolute(file_.out).parent_path(), ReadSavedRun(input_).scene);
     if (workspace) WarnOfUnfinished(input_, listener);

@@ -13,6 +13,7 @@ namespace {
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 RunOptions With(Auto<OracleKind> oracle) {
   RunOptions options;
@@ -27,7 +28,7 @@ TEST(ChooseOracle, FollowsTheWeights) {
   EventRecorder recorder;
   EXPECT_EQ(ChooseOracle(With({})).kind, OracleKind::kConsistency);
   ReportOracleChoice(With({}), ChooseOracle(With({})), recorder.AsListener());
-  EXPECT_THAT(recorder.notes, ElementsAre(AllOf(HasSubstr("without VGGT"), HasSubstr("oraclegs models fetch vggt"))));
+  EXPECT_THAT(recorder.notes, IsEmpty()) << "nobody asked for a network";
   const std::string before = ChooseOracle(With({})).Key();
   WriteTinyVggt(dir / "models" / "vggt" / "model.safetensors");
   const OracleChoice choice = ChooseOracle(With({}));

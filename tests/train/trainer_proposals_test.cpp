@@ -150,19 +150,8 @@ TEST(TrainerProposalsTest, RefusesCheckpointsOfAnotherNumberOfViews) {
   EXPECT_THROW(fewer.Restore(checkpoint), InputError);
 }
 
-TEST(TrainerProposalsTest, SaysOnceThatLpipsIsMissing) {
+TEST(TrainerProposalsTest, AsksLpipsOnceAnIteration) {
   const TrainingData data{Photos(2), Proposals(2)};
-  const std::vector<std::string> notes = Notes(Options(5), data);
-  ASSERT_EQ(notes.size(), 1u);
-  EXPECT_THAT(notes[0], HasSubstr("without LPIPS: its weight in the loss on proposals goes to L1, which has 0.70"));
-
-  EXPECT_TRUE(Notes(Options(5), Photos(2)).empty());
-  TrainOptions options = Options(5);
-  options.schedule = ScheduleKind::kNone;
-  EXPECT_TRUE(Notes(options, data).empty());
-  options = Options(5);
-  options.proposal_lpips = 0;
-  EXPECT_TRUE(Notes(options, data).empty());
   int asked = 0;
   const PerceptualDistance lpips = [&](auto&&...) { return static_cast<double>(++asked); };
   EXPECT_TRUE(Notes(Constantly(1, 5), {data.photos, data.proposals, lpips}).empty());

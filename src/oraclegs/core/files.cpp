@@ -43,6 +43,9 @@ void CreateFolders(const fs::path& dir) {
   RequireHeldFolderOf(dir);
   std::error_code error;
   fs::create_directories(dir, error);
+  if (error == std::errc::not_a_directory || error == std::errc::file_exists) {
+    throw RunError("{}: is a file, or lies in one; name a folder", dir.string());
+  }
   if (error) throw RunError("{}: cannot create the folder: {}", dir.string(), SystemReason(error));
   if (!fs::is_directory(dir, error)) throw RunError("{}: is in the way, a folder is needed there", dir.string());
 }

@@ -22,6 +22,9 @@ namespace fs = std::filesystem;
 void RequireFolder(const fs::path& path, const char* fix) {
   std::error_code error;
   if (fs::is_directory(path, error)) return;
+  if (path.string().find("://") != std::string::npos) {
+    throw InputError("{}: is an address; download it, and name the file or folder", path.string());
+  }
   throw InputError("{}: {}; {}", path.string(), fs::exists(path, error) ? "is not a folder" : "no such folder", fix);
 }
 

@@ -110,12 +110,9 @@ void ReportOracleChoice(const RunOptions& options, const OracleChoice& choice, c
     listener(Note{fmt::format("oracle: {} with the images ({})", choice.weights->name, choice.weights->path.string())});
     return;
   }
-  if (!HasNetworksLibrary()) {
+  if (!HasNetworksLibrary() && FindVggtWeights(options.weights.vggt_weights)) {
     listener(Note{"oracle: consistency of the images, without VGGT; " + WhyNoNetworks()});
-    return;
   }
-  listener(
-      Note{"oracle: consistency of the images, without VGGT (`oraclegs models fetch vggt` downloads its weights)"});
 }
 
 Plan MakePlan(const RunOptions& options, bool has_poses) {

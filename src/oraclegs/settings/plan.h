@@ -41,7 +41,7 @@ OracleChoice ChooseOracle(const RunOptions& options);
 /// --set vggt-precision, where VGGT computes on this device.
 VggtPrecision SettlePrecision(const ValidateOptions& asked, Device device);
 
-/// Notes the choice for --oracle auto.
+/// Notes the choice for --oracle auto where VGGT's weights are.
 void ReportOracleChoice(const RunOptions& options, const OracleChoice& choice, const Listener& listener);
 
 struct Plan {

@@ -181,9 +181,6 @@ void ReportNetwork(const Run& run) {
                          DepthNetworkName(source.weights), Word(source.prior), 100 * kRightWithin, 100 * right)});
   } else if (!run.options.depth.depth_folder.empty()) {
     run.listener(Note{fmt::format("depth is that of {}", run.options.depth.depth_folder.string())});
-  } else if (run.options.depth.depth_prior.is_auto()) {
-    run.listener(Note{fmt::format("depth is from stereo alone: there are no weights of Depth Anything V2; {}",
-                                  HowToFetch(kDepthModel))});
   }
 }
 

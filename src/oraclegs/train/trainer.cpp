@@ -135,14 +135,6 @@ void Trainer::State::ReportLimitations(const Listener& listener) const {
   if (extent == 0) {
     listener(Warning{"all training cameras stand in one place: the Gaussians keep the positions they start from"});
   }
-  const ProposalSchedule schedule = options.Proposals();
-  const bool uses_proposals = plan.num_proposals() > 0 && schedule.floor + schedule.peak > 0;
-  if (uses_proposals && options.proposal_lpips > 0 && !plan.has_lpips()) {
-    listener(Note{fmt::format(
-        "without LPIPS: its weight in the loss on proposals goes to L1, which has {:.2f} (`oraclegs models fetch "
-        "lpips-vgg` downloads the network)",
-        1 - options.proposal_ssim)});
-  }
   if (device->expected_bytes() > 0) {
     listener(Note{fmt::format("the training needs about {:.3g} GB of GPU memory beside LPIPS",
                               Gigabytes(device->expected_bytes()))});
