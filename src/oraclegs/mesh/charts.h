@@ -14,7 +14,7 @@ struct Chart {
 };
 
 /// Charts of all triangles of a mesh with normals, which turn less than 60 degrees from their first one. Longer than
-/// high. The same mesh gives the same charts.
+/// high. Equal meshes give equal charts.
 std::vector<Chart> ChartsOf(const TriangleMesh& mesh);
 
 }  // namespace oraclegs
