@@ -1,7 +1,9 @@
 #include "oraclegs/camera/camera_path.h"
+#include "oraclegs/gaussians/selection.h"
 #include "oraclegs/mesh/fuse_model.h"
 #include "oraclegs/mesh/isosurface.h"
 #include "oraclegs/mesh/triangle_mesh.h"
+#include "oraclegs/output/model_edits.h"
 #include "oraclegs/scene/frame_comments.h"
 #include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/settings/device.h"
@@ -12,12 +14,47 @@
 namespace oraclegs {
 namespace {
 
+constexpr int kUsualTexture = 4096;  // pixels
+
+struct CropOptions {
+  std::string crop;
+
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("crop", self.crop, kCropHelp);
+  }
+};
+
+/// Side of the texture of a file. Throws UsageError when one is asked for that the file does not hold.
+int TextureFor(const std::filesystem::path& out, const Auto<int>& asked) {
+  const int side = asked.ValueOr(HoldsTexture(out) ? kUsualTexture : 0);
+  if (side == 0 || HoldsTexture(out)) return side;
+  throw UsageError("--texture is {}: {} holds none; write a .glb or .obj, or leave it out", side, out.string());
+}
+
+/// The Gaussians, in the run's coordinates, that a crop in the scene's holds. Throws UsageError when there is none.
+Gaussians Cropped(const Gaussians& gaussians, Crop crop, const SceneFrame& frame, const std::vector<Camera>& cameras) {
+  if (crop.kind == Crop::Kind::kNone) return gaussians;
+  Similarity crop_from_run = RunFromScene(frame).Inverse();
+  if (crop.kind == Crop::Kind::kAuto) {
+    crop.kind = Crop::Kind::kBall, crop.ball = LookedAt(cameras);
+    crop_from_run = {};
+  }
+  const std::vector<int64_t> held = HeldBy(crop, gaussians, crop_from_run);
+  if (held.empty()) {
+    throw UsageError("--crop holds none of the {} Gaussians; crop less, in the coordinates of the scene",
+                     gaussians.size());
+  }
+  return Picked(gaussians.To(kCpu), held).To(gaussians.device());
+}
+
 class MeshCommand : public SourceCommand {
  public:
   explicit MeshCommand(CLI::App* app)
       : SourceCommand(app, "mesh", "A triangle mesh with colors, fused from the depth that the splat renders",
                       "oraclegs mesh out/ -o mesh.glb") {
     Bind("Mesh", &mesh_);
+    Bind("Mesh", &crop_);
   }
 
  private:
@@ -26,13 +63,17 @@ class MeshCommand : public SourceCommand {
     if (out.empty() && InputIsWorkspace()) out = input_ / "mesh.ply";
     RequireOut(out);
     RequireMeshExtension(out);
+    CheckMesh(mesh_);
+    mesh_.texture = TextureFor(out, mesh_.texture);
+    const Crop crop = ParseCrop(crop_.crop);
     RequireIsosurface();
     const PosedScene posed = OpenScene(listener);
     const auto ply = SplatFile(listener);
     const Device device = ChooseDevice(options_.device.device, ProbeDevices());
-    const Model model = LoadModel(ply, options_, device, posed.frame, listener);
+    Model model = LoadModel(ply, options_, device, posed.frame, listener);
     RequireOutsideScene(std::filesystem::absolute(out).parent_path(), posed.scene, options_.input.images);
     const std::vector<Camera> cameras = WorkingCameras(posed.scene, posed.split.train, options_.image.Settled());
+    model.gaussians = Cropped(model.gaussians, crop, posed.frame, cameras);
     const std::optional<double> unit_meters = posed.frame.unit_meters ? posed.frame.unit_meters : model.unit_meters;
     const Similarity written_from_run = WrittenFromRun(posed.frame);
     mesh_.unit = written_from_run.scale * unit_meters.value_or(1);
@@ -48,14 +89,18 @@ class MeshCommand : public SourceCommand {
     for (Eigen::Vector3f& position : fused.mesh.positions) {
       position = (position.cast<double>() + translation).cast<float>();
     }
-    WriteMesh(out, fused.mesh, MeanUp(cameras), WithOffset({}, posed.frame.offset * unit_meters.value_or(1)));
+    const auto files =
+        WriteMesh(out, fused.mesh, MeanUp(cameras), WithOffset({}, posed.frame.offset * unit_meters.value_or(1)));
     clock.Finish();
-    listener(FileWritten{out});
-    Print(fmt::format("mesh       {} ({} vertices, {} triangles, voxels of {:.3g}{})", out.string(),
-                      fused.mesh.positions.size(), fused.mesh.triangles.size(), fused.voxel, unit_meters ? " m" : ""));
+    for (const std::filesystem::path& file : files) listener(FileWritten{file});
+    const int side = fused.mesh.texture.width;
+    Print(fmt::format("mesh       {} ({} vertices, {} triangles, voxels of {:.3g}{}, {})", out.string(),
+                      fused.mesh.positions.size(), fused.mesh.triangles.size(), fused.voxel, unit_meters ? " m" : "",
+                      side > 0 ? fmt::format("a texture of {0} x {0} pixels", side) : "a color at each vertex"));
   }
 
   MeshOptions mesh_;
+  CropOptions crop_;
 };
 
 }  // namespace

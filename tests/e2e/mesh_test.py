@@ -5,6 +5,7 @@ import json
 import re
 import struct
 import subprocess
+from collections import Counter
 from pathlib import Path
 
 from harness import PROGRAM, EndToEnd, command, files_below, main, read_png
@@ -40,12 +41,42 @@ class Mesh(EndToEnd):
         magic, version, length, text, kind = struct.unpack("<4sIII4s", data[:20])
         self.assertEqual((magic, version, length, kind), (b"glTF", 2, len(data), b"JSON"))
         document = json.loads(data[20 : 20 + text])
-        self.assertEqual(set(document["meshes"][0]["primitives"][0]["attributes"]), {"POSITION", "NORMAL", "COLOR_0"})
+        self.assertEqual(set(document["meshes"][0]["primitives"][0]["attributes"]), {"POSITION", "NORMAL", "TEXCOORD_0"})
+        self.assertEqual(document["images"][0]["mimeType"], "image/jpeg")
         # The floor lies at z = 0; turned so that y is up, it is below the rest.
         self.assertLess(document["accessors"][0]["min"][2], 0.3)
 
+    def test_obj_has_a_texture_beside_it_and_few_triangles(self):
+        file = self.dir / "obj" / "room.obj"
+        done = self.run_program("mesh", self.out, "-o", file, "--renders", 8, "--voxel", 0.08, "--triangles", 2000)
+        self.assertEqual(sorted(p.name for p in file.parent.iterdir()), ["room.mtl", "room.obj", "room_texture.png"])
+        width, height, channels, pixels = read_png(file.parent / "room_texture.png")
+        self.assertEqual((width, channels), (height, 3))
+        self.assertIn(f"{width} x {width} pixels", done.stdout)
+        self.assertGreater(len(set(pixels)), 64)
+        kinds = Counter(line.split(" ", 1)[0] for line in file.read_text().splitlines())
+        self.assertGreater(kinds["f"], 1000)
+        self.assertLessEqual(kinds["f"], 2000)
+        self.assertEqual(kinds["v"], kinds["vt"])
+
+    def test_crop_keeps_a_part_in_the_coordinates_of_the_scene(self):
+        for crop, inside in [("box:-1,-1,-9,1,1,9", lambda x, y: max(abs(x), abs(y)) < 1.2),
+                             ("sphere:0,0,1,1.5", lambda x, y: x * x + y * y < 1.7**2)]:  # fmt: skip
+            file = self.dir / "part.obj"
+            self.run_program("mesh", self.out, "-o", file, "--renders", 8, "--texture", 0, "--crop", crop)
+            places = [line.split()[1:3] for line in file.read_text().splitlines() if line.startswith("v ")]
+            self.assertGreater(len(places), 100)
+            outside = sum(not inside(float(x), float(y)) for x, y in places)
+            self.assertLess(outside, 0.05 * len(places), crop)
+        self.assertFalse((self.dir / "part.mtl").exists())
+
     def test_errors_name_the_fix(self):
-        self.error_of("mesh", self.out, "-o", self.dir / "room.obj", code=2, names=["room.obj", ".glb"])
+        self.error_of("mesh", self.out, "-o", self.dir / "room.stl", code=2, names=["room.stl", ".glb", ".obj"])
+        self.error_of("mesh", self.out, "--triangles", 1, code=2, names=["--triangles", "100"])
+        self.error_of("mesh", self.out, "--texture", 16385, code=2, names=["--texture", "16384"])
+        self.error_of("mesh", self.out, "--texture", 1024, code=2, names=["mesh.ply", ".glb"])
+        self.error_of("mesh", self.out, "--crop", "sphere:99,99,99,1", code=2, names=["--crop"])
+        self.error_of("mesh", self.out, "--crop", "cube", code=2, names=["--crop", "box:"])
         self.error_of("mesh", self.out, "--voxel", 1e-5, code=2, names=["--voxel", "at least"])
         self.error_of("mesh", self.out, "--voxel", 0.05, "--trunc", 9, code=2, names=["--trunc"])
         self.error_of("mesh", self.scene, code=2, names=[self.scene, "--ply"])

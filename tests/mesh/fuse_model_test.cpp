@@ -64,6 +64,33 @@ TEST(FuseModel, MultipliesByTheUnit) {
   for (const Eigen::Vector3f& position : fused.mesh.positions) EXPECT_NEAR(position.norm(), 10, 1);
 }
 
+TEST(FuseModel, MakesFewTrianglesWithATexture) {
+  SKIP_WITHOUT_OPENVDB();
+  MeshOptions options;
+  options.renders = 20;
+  options.triangles = 500;
+  options.texture = 1024;
+  const TriangleMesh mesh = FuseModel(Ball(3000), {}, ShapeCamerasAround(3), options, Silent()).mesh;
+  EXPECT_LE(mesh.triangles.size(), 500u);
+  EXPECT_GT(mesh.triangles.size(), 400u);
+  ASSERT_EQ(mesh.texcoords.size(), mesh.positions.size());
+  for (const Eigen::Vector2f& at : mesh.texcoords) {
+    const auto side = static_cast<size_t>(mesh.texture.width);
+    const size_t texel = static_cast<size_t>(at.y() * static_cast<float>(side)) * side +
+                         static_cast<size_t>(at.x() * static_cast<float>(side));
+    EXPECT_NEAR(mesh.texture.data[3 * texel], 255 * 0.782, 14);
+  }
+}
+
+TEST(FuseModel, RefusesANumberOfTrianglesThatShowsNothing) {
+  MeshOptions options;
+  options.triangles = 1;
+  EXPECT_THAT(MessageOf<UsageError>([&] { CheckMesh(options); }), testing::HasSubstr("--triangles is 1, must be 0"));
+  options.triangles = 0;
+  options.texture = kMaxTextureSide + 1;
+  EXPECT_THAT(MessageOf<UsageError>([&] { CheckMesh(options); }), testing::HasSubstr("texture"));
+}
+
 TEST(FuseModel, NamesAVoxelThatTheRendersHold) {
   SKIP_WITHOUT_OPENVDB();
   MeshOptions options;

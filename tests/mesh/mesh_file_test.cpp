@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/core/files.h"
+#include "oraclegs/image/codecs.h"
 #include "support/errors.h"
 #include "support/mesh_ply.h"
 #include "support/temp_dir.h"
@@ -65,8 +66,35 @@ TEST(MeshFile, GlbHoldsTheGeometryWithUpAlongY) {
   EXPECT_EQ(rgba[2], 65535);
 }
 
+TEST(MeshFile, GlbHoldsATexture) {
+  const TempDir dir;
+  TriangleMesh mesh = Tetrahedron();
+  mesh.texcoords = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
+  mesh.texture = {8, 8, 3, std::vector<uint8_t>(192, 200)};
+  WriteMesh(dir / "mesh.glb", mesh, {0, 0, 1});
+  const std::string bytes = ReadFile(dir / "mesh.glb");
+  uint32_t text;
+  std::memcpy(&text, bytes.data() + 12, 4);
+  const auto json = nlohmann::json::parse(bytes.substr(20, text));
+  EXPECT_EQ(json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"], 2);
+  EXPECT_EQ(json["accessors"][2]["type"], "VEC2");
+  EXPECT_EQ(json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"], 0);
+  EXPECT_EQ(json["textures"][0]["source"], 0);
+  EXPECT_EQ(json["samplers"][0]["minFilter"], 9729);
+  const auto& view = json["bufferViews"][json["images"][0]["bufferView"].get<size_t>()];
+  const std::string jpeg = bytes.substr(28 + text + view["byteOffset"].get<size_t>(), view["byteLength"]);
+  const Image8 image = DecodeJpeg(jpeg, "jpeg", Orientation::kAsStored);
+  EXPECT_EQ(image.width, 8);
+  EXPECT_NEAR(image.data[0], 200, 2);
+  EXPECT_EQ(bytes.size() % 4, 0u);
+  EXPECT_EQ(28 + text + json["buffers"][0]["byteLength"].get<size_t>(), bytes.size());
+}
+
 TEST(MeshFile, OtherExtensionsAreRefused) {
-  EXPECT_THAT(MessageOf<UsageError>([] { WriteMesh("mesh.obj", Tetrahedron(), {0, 0, 1}); }), HasSubstr(".glb"));
+  EXPECT_THAT(MessageOf<UsageError>([] {
+                WriteMesh("mesh.stl", Tetrahedron(), {0, 0, 1});
+              }),
+              HasSubstr(".glb or .obj"));
   EXPECT_THROW(WriteMesh("mesh.ply", {}, {0, 0, 1}), ShapeError);
 }
 

@@ -34,6 +34,16 @@ TEST(Crop, RefusesAnotherForm) {
   }
 }
 
+TEST(Crop, HoldsGaussiansInItsCoordinates) {
+  Gaussians g = Gaussians::Zeros(3);
+  g.means[0] = 1, g.means[3] = 2, g.means[6] = 3;
+  EXPECT_THAT(HeldBy(ParseCrop("box:1.5,-1,-1,3.5,1,1"), g, {}), testing::ElementsAre(1, 2));
+  Similarity twice;
+  twice.scale = 2;
+  EXPECT_THAT(HeldBy(ParseCrop("box:1.5,-1,-1,3.5,1,1"), g, twice), testing::ElementsAre(0));
+  EXPECT_THAT(HeldBy(ParseCrop("sphere:9,9,9,1"), g, {}), testing::IsEmpty());
+}
+
 TEST(Axis, IsAUnitVector) {
   EXPECT_FALSE(ParseAxis("").has_value());
   EXPECT_FALSE(ParseAxis("auto").has_value());

@@ -11,6 +11,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/mesh/isosurface.h"
+#include "oraclegs/mesh/simplify.h"
 #include "oraclegs/mesh/vertex_colors.h"
 #include "oraclegs/render/render.h"
 
@@ -22,8 +23,9 @@ constexpr double kTruncationShare = 0.01;  // of depth: what renders of a splat 
 constexpr double kMaxTruncationVoxels = 16;
 constexpr double kMinFootprintShare = 0.25;  // finer voxels would find no pixel
 constexpr int64_t kMaxAutoBlocks = 60'000;   // about two million vertices
-constexpr int kPasses = 3;
 constexpr size_t kViewsForScale = 8;
+constexpr size_t kRendersForOne = 10;  // a surface that one of so many renders shows may be a torn bit
+constexpr int kMaxMinRenders = 6;      // in a large capture a place is seen by few
 
 struct DepthScale {
   double depth = 0;      // median of the pixels, scene units; 0 = nothing is seen
@@ -33,11 +35,12 @@ struct DepthScale {
 /// Renders views one after the other.
 class ViewSource {
  public:
-  ViewSource(const Gaussians& gaussians, const RenderOptions& render, std::vector<Camera> cameras,
+  ViewSource(const Gaussians& gaussians, const RenderOptions& render, std::vector<Camera> cameras, int passes,
              const Listener& listener)
       : gaussians_(gaussians),
         render_(render),
         cameras_(std::move(cameras)),
+        passes_(passes),
         listener_(listener),
         rasterizer_(MakeRasterizer(gaussians.device())) {}
 
@@ -49,15 +52,17 @@ class ViewSource {
     const auto n = static_cast<int64_t>(cameras_.size());
     for (int64_t i = 0; i < n; ++i) {
       body(View(static_cast<size_t>(i)));
-      listener_(StepDone{"mesh", pass * n + i + 1, kPasses * n, "renders", ""});
+      listener_(StepDone{"mesh", pass * n + i + 1, passes_ * n, "renders", ""});
     }
   }
   size_t count() const { return cameras_.size(); }
+  const std::vector<Camera>& cameras() const { return cameras_; }
 
  private:
   const Gaussians& gaussians_;
   RenderOptions render_;
   std::vector<Camera> cameras_;
+  int passes_;
   const Listener& listener_;
   std::unique_ptr<Rasterizer> rasterizer_;
 };
@@ -115,7 +120,40 @@ TsdfBlocks DecideBlocks(ViewSource* source, const DepthScale& scale, const MeshO
   return blocks;
 }
 
+int TextureSide(const MeshOptions& options) { return options.texture.is_auto() ? 0 : options.texture.value(); }
+
+int MinRenders(const MeshOptions& options, size_t renders) {
+  const int automatic = std::clamp(static_cast<int>(renders / kRendersForOne), 1, kMaxMinRenders);
+  return options.min_renders.is_auto() ? automatic : options.min_renders.value();
+}
+
+/// The part of the surface that so many views show, with their colors.
+TriangleMesh Shown(ViewSource* source, double tolerance, TriangleMesh mesh, int min_views) {
+  VertexColors colors(mesh, tolerance);
+  source->ForEach(2, [&](const SurfaceView& view) { colors.Add(view); });
+  mesh.colors = colors.Colors();
+  std::vector<std::array<uint32_t, 3>> shown;
+  for (const auto& t : mesh.triangles) {
+    if (std::min({colors.Views(t[0]), colors.Views(t[1]), colors.Views(t[2])}) >= min_views) shown.push_back(t);
+  }
+  return PartOf(mesh, shown);
+}
+
+void SetTexture(ViewSource* source, double tolerance, int max_side, TriangleMesh* mesh) {
+  const TextureAtlas atlas(*mesh, source->cameras(), max_side);
+  VertexColors colors(atlas.points(), tolerance);
+  source->ForEach(3, [&](const SurfaceView& view) { colors.Add(view); });
+  *mesh = atlas.Textured(colors);
+}
+
 }  // namespace
+
+void CheckMesh(const MeshOptions& options) {
+  CheckOptions(options);
+  if (options.triangles > 0 && options.triangles < kMinTriangles) {
+    throw UsageError("--triangles is {}, must be 0 (all of them) or at least {}", options.triangles, kMinTriangles);
+  }
+}
 
 std::vector<Camera> MeshCameras(const std::vector<Camera>& cameras, int count) {
   std::vector<Camera> all = cameras;
@@ -134,9 +172,10 @@ std::vector<Camera> MeshCameras(const std::vector<Camera>& cameras, int count) {
 
 FusedMesh FuseModel(const Gaussians& gaussians, const RenderOptions& render, const std::vector<Camera>& cameras,
                     const MeshOptions& options, const Listener& listener) {
-  CheckOptions(options);
+  CheckMesh(options);
   RequireIsosurface();
-  ViewSource source(gaussians, render, MeshCameras(cameras, options.renders), listener);
+  const int passes = TextureSide(options) > 0 ? 4 : 3;
+  ViewSource source(gaussians, render, MeshCameras(cameras, options.renders), passes, listener);
   const DepthScale scale = ScaleOf(&source);
   FusedMesh fused;
   if (scale.depth == 0) return fused;
@@ -147,12 +186,15 @@ FusedMesh FuseModel(const Gaussians& gaussians, const RenderOptions& render, con
     source.ForEach(1, [&](const SurfaceView& view) { volume.Integrate(view); });
     const VoxelField field{volume.voxel(),    &volume.blocks(),   &volume.distances(),
                            &volume.weights(), options.adaptivity, NumThreads()};
-    fused.mesh = WithoutSmallParts(Isosurface(field), options.min_part);
+    fused.mesh = Isosurface(field);
   }
   SetNormals(&fused.mesh);
-  VertexColors colors(fused.mesh, fused.truncation);
-  source.ForEach(2, [&](const SurfaceView& view) { colors.Add(view); });
-  fused.mesh.colors = colors.Colors();
+  fused.mesh = Shown(&source, fused.truncation, fused.mesh, MinRenders(options, source.count()));
+  fused.mesh = Simplified(WithoutSmallParts(fused.mesh, options.min_part), options.triangles);
+  SetNormals(&fused.mesh);
+  if (const int side = TextureSide(options); side > 0 && !fused.mesh.triangles.empty()) {
+    SetTexture(&source, fused.truncation, side, &fused.mesh);
+  }
   for (Eigen::Vector3f& position : fused.mesh.positions) position *= static_cast<float>(options.unit);
   fused.voxel *= options.unit, fused.truncation *= options.unit;
   return fused;

@@ -6,6 +6,7 @@
 
 #include "oraclegs/core/options.h"
 #include "oraclegs/core/progress.h"
+#include "oraclegs/mesh/texture.h"
 #include "oraclegs/mesh/triangle_mesh.h"
 #include "oraclegs/render/render.h"
 
@@ -16,7 +17,10 @@ struct MeshOptions {
   Auto<double> truncation;
   int renders = 60;
   double adaptivity = 0.1;
-  double min_part = 0.001;
+  double min_part = 0.01;
+  Auto<int> min_renders;
+  int triangles = 300'000;
+  Auto<int> texture;
   double unit = 1;  ///< length of a scene unit in mesh units, a factor of the mesh; lengths above are in mesh units
 
   template <class Self, class V>
@@ -32,20 +36,30 @@ struct MeshOptions {
           Range{1, 1e5});
     visit("adaptivity", self.adaptivity, "More makes larger triangles where the surface is flat", Range{0, 1});
     visit("min-part", self.min_part, "Parts of less than this share of the whole area are left out", Range{0, 1});
+    visit("min-renders", self.min_renders,
+          "Surface that fewer renders show is left out; auto is a tenth of them, at most 6", Range{1, 1e5});
+    visit("triangles", self.triangles, "At most this many triangles, 0 = all", Range{0, 1e9});
+    visit("texture", self.texture,
+          "Largest side of the texture in pixels, 0 = a color at each vertex; auto is 4096 for .glb and .obj",
+          Range{0, kMaxTextureSide});
   }
 };
+
+/// Throws UsageError for options that no scene could have, the ranges among them.
+void CheckMesh(const MeshOptions& options);
 
 /// The cameras, and further ones on the smooth path through them in NearestOrder, up to `count` in all.
 std::vector<Camera> MeshCameras(const std::vector<Camera>& cameras, int count);
 
 struct FusedMesh {
-  TriangleMesh mesh;      ///< with normals and colors; empty when the renders show no surface
+  TriangleMesh mesh;      ///< with normals and colors, or a texture; empty when the renders show no surface
   double voxel = 0;       ///< voxel side that was used, units of the mesh
   double truncation = 0;  ///< truncation that was used, units of the mesh
 };
 
-/// Renders depth and color from MeshCameras, fuses the depth in a truncated signed distance, extracts its surface and
-/// colors the vertices with the means of the rendered colors there. Renders each view three times and stores none.
+/// Renders depth and color from MeshCameras, fuses the depth in a truncated signed distance, extracts the part of its
+/// surface that renders show, simplifies it and gives it the means of the rendered colors, at its vertices or, with
+/// `texture` above 0, in a texture (an automatic one is none). Renders each view three or four times and stores none.
 /// Throws UsageError for voxels so small that the machine's memory does not hold them, with a size that fits.
 FusedMesh FuseModel(const Gaussians& gaussians, const RenderOptions& render, const std::vector<Camera>& cameras,
                     const MeshOptions& options, const Listener& listener);

@@ -7,6 +7,8 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/image/codecs.h"
+#include "oraclegs/mesh/obj_file.h"
 
 namespace oraclegs {
 namespace {
@@ -14,6 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 static_assert(std::endian::native == std::endian::little, "numbers are written as the machine stores them");
 
+constexpr int kTextureQuality = 95;                         // of a .glb's JPEG
 constexpr size_t kPlyVertexBytes = 27, kPlyFaceBytes = 13;  // 6 floats and RGB; a count and 3 indices
 constexpr const char* kPlyHeader =
     "ply\nformat binary_little_endian 1.0\ncomment oraclegs mesh\n{}element vertex {}\n"
@@ -65,6 +68,14 @@ class GltfBuffer {
     begin_ = bytes_.size();
     return accessors_.back();
   }
+  /// Adds a file; returns the index of its view.
+  size_t AddFile(const std::string& file) {
+    views_.push_back({{"buffer", 0}, {"byteOffset", begin_}, {"byteLength", file.size()}});
+    bytes_ += file;
+    bytes_.resize((bytes_.size() + 3) / 4 * 4);
+    begin_ = bytes_.size();
+    return views_.size() - 1;
+  }
   std::string* bytes() { return &bytes_; }
   const nlohmann::json& views() const { return views_; }
   const nlohmann::json& accessors() const { return accessors_; }
@@ -75,6 +86,7 @@ class GltfBuffer {
   nlohmann::json views_ = nlohmann::json::array(), accessors_ = nlohmann::json::array();
 };
 
+/// Adds the accessors 0 position, 1 normal, 2 color or place in the texture, 3 indices.
 void PutGeometry(const TriangleMesh& mesh, GltfBuffer* buffer) {
   Eigen::Vector3f low = mesh.positions.front(), high = low;
   for (const Eigen::Vector3f& position : mesh.positions) {
@@ -92,9 +104,27 @@ void PutGeometry(const TriangleMesh& mesh, GltfBuffer* buffer) {
     for (const uint8_t channel : color) Put(buffer->bytes(), LinearOfSrgb(channel));
     Put(buffer->bytes(), uint16_t{65535});
   }
-  buffer->Add(mesh.colors.size(), kGltfUnsignedShort, "VEC4", 34962)["normalized"] = true;
+  for (const Eigen::Vector2f& place : mesh.texcoords) {
+    for (int c = 0; c < 2; ++c) Put(buffer->bytes(), place[c]);
+  }
+  if (mesh.texcoords.empty()) {
+    buffer->Add(mesh.colors.size(), kGltfUnsignedShort, "VEC4", 34962)["normalized"] = true;
+  } else {
+    buffer->Add(mesh.texcoords.size(), kGltfFloat, "VEC2", 34962);
+  }
   for (const auto& triangle : mesh.triangles) Put(buffer->bytes(), triangle);
   buffer->Add(3 * mesh.triangles.size(), kGltfUnsignedInt, "SCALAR", 34963);
+}
+
+/// Adds the texture of the one material.
+void PutTexture(const Image8& texture, GltfBuffer* buffer, nlohmann::json* document) {
+  constexpr int kLinear = 9729, kClampToEdge = 33071;  // no smaller levels, in which charts would mix
+  const size_t view = buffer->AddFile(CompressJpeg(texture, kTextureQuality));
+  (*document)["images"] = {{{"bufferView", view}, {"mimeType", "image/jpeg"}}};
+  (*document)["samplers"] = {
+      {{"magFilter", kLinear}, {"minFilter", kLinear}, {"wrapS", kClampToEdge}, {"wrapT", kClampToEdge}}};
+  (*document)["textures"] = {{{"source", 0}, {"sampler", 0}}};
+  (*document)["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
 }
 
 std::string GlbBytes(const TriangleMesh& mesh, const Eigen::Vector3d& up, const std::vector<std::string>& comments,
@@ -103,7 +133,10 @@ std::string GlbBytes(const TriangleMesh& mesh, const Eigen::Vector3d& up, const 
   PutGeometry(mesh, &buffer);
   const auto turn = Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitY());
   const nlohmann::json primitive = {
-      {"attributes", {{"POSITION", 0}, {"NORMAL", 1}, {"COLOR_0", 2}}}, {"indices", 3}, {"material", 0}, {"mode", 4}};
+      {"attributes", {{"POSITION", 0}, {"NORMAL", 1}, {mesh.texcoords.empty() ? "COLOR_0" : "TEXCOORD_0", 2}}},
+      {"indices", 3},
+      {"material", 0},
+      {"mode", 4}};
   nlohmann::json document = {{"asset", {{"version", "2.0"}, {"generator", "oraclegs"}}},
                              {"extensionsUsed", {"KHR_materials_unlit"}},
                              {"scene", 0},
@@ -113,10 +146,11 @@ std::string GlbBytes(const TriangleMesh& mesh, const Eigen::Vector3d& up, const 
                              {"materials",
                               {{{"doubleSided", true},
                                 {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 1}}},
-                                {"extensions", {{"KHR_materials_unlit", nlohmann::json::object()}}}}}},
-                             {"buffers", {{{"byteLength", buffer.bytes()->size()}}}},
-                             {"bufferViews", buffer.views()},
-                             {"accessors", buffer.accessors()}};
+                                {"extensions", {{"KHR_materials_unlit", nlohmann::json::object()}}}}}}};
+  if (!mesh.texcoords.empty()) PutTexture(mesh.texture, &buffer, &document);
+  document["buffers"] = {{{"byteLength", buffer.bytes()->size()}}};
+  document["bufferViews"] = buffer.views();
+  document["accessors"] = buffer.accessors();
   if (!comments.empty()) document["asset"]["extras"] = {{"comments", comments}};
   std::string text = document.dump();
   while (text.size() % 4 != 0) text += ' ';
@@ -141,19 +175,26 @@ std::string GlbBytes(const TriangleMesh& mesh, const Eigen::Vector3d& up, const 
 }  // namespace
 
 void RequireMeshExtension(const fs::path& path) {
-  if (path.extension() == ".ply" || path.extension() == ".glb") return;
-  throw UsageError("{}: a mesh is written as .ply or .glb; give a name that ends so", path.string());
+  const fs::path extension = path.extension();
+  if (extension == ".ply" || extension == ".glb" || extension == ".obj") return;
+  throw UsageError("{}: a mesh is written as .ply, .glb or .obj; give a name that ends so", path.string());
 }
 
-void WriteMesh(const fs::path& path, const TriangleMesh& mesh, const Eigen::Vector3d& up,
-               const std::vector<std::string>& comments) {
+bool HoldsTexture(const fs::path& path) { return path.extension() != ".ply"; }
+
+std::vector<fs::path> WriteMesh(const fs::path& path, const TriangleMesh& mesh, const Eigen::Vector3d& up,
+                                const std::vector<std::string>& comments) {
   RequireMeshExtension(path);
+  const bool textured = HoldsTexture(path) && !mesh.texcoords.empty();
   if (mesh.triangles.empty() || mesh.normals.size() != mesh.positions.size() ||
-      mesh.colors.size() != mesh.positions.size()) {
-    throw ShapeError("WriteMesh: {} triangles, {} positions, {} normals, {} colors", mesh.triangles.size(),
-                     mesh.positions.size(), mesh.normals.size(), mesh.colors.size());
+      (textured ? mesh.texcoords.size() : mesh.colors.size()) != mesh.positions.size()) {
+    throw ShapeError("WriteMesh: {} triangles, {} positions, {} normals, {} colors, {} texture coordinates",
+                     mesh.triangles.size(), mesh.positions.size(), mesh.normals.size(), mesh.colors.size(),
+                     mesh.texcoords.size());
   }
+  if (path.extension() == ".obj") return WriteObj(path, mesh, comments);
   WriteFileAtomically(path, path.extension() == ".glb" ? GlbBytes(mesh, up, comments, path) : PlyBytes(mesh, comments));
+  return {path};
 }
 
 }  // namespace oraclegs

@@ -42,6 +42,27 @@ void SetNormals(TriangleMesh* mesh) {
   }
 }
 
+TriangleMesh PartOf(const TriangleMesh& mesh, const std::vector<std::array<uint32_t, 3>>& triangles) {
+  constexpr uint32_t kUnused = UINT32_MAX;
+  std::vector<uint32_t> renamed(mesh.positions.size(), kUnused);
+  TriangleMesh part;
+  part.triangles.reserve(triangles.size());
+  for (std::array<uint32_t, 3> triangle : triangles) {
+    for (uint32_t& vertex : triangle) {
+      uint32_t& name = renamed[vertex];
+      if (name == kUnused) {
+        name = static_cast<uint32_t>(part.positions.size());
+        part.positions.push_back(mesh.positions[vertex]);
+        if (!mesh.normals.empty()) part.normals.push_back(mesh.normals[vertex]);
+        if (!mesh.colors.empty()) part.colors.push_back(mesh.colors[vertex]);
+      }
+      vertex = name;
+    }
+    part.triangles.push_back(triangle);
+  }
+  return part;
+}
+
 TriangleMesh WithoutSmallParts(const TriangleMesh& mesh, double min_share) {
   ConnectedVertices connected(mesh.positions.size());
   for (const auto& t : mesh.triangles) connected.Join(t[0], t[1]), connected.Join(t[1], t[2]);
@@ -52,24 +73,11 @@ TriangleMesh WithoutSmallParts(const TriangleMesh& mesh, double min_share) {
     area[connected.Of(triangle[0])] += twice;
     all += twice;
   }
-  constexpr uint32_t kUnused = UINT32_MAX;
-  std::vector<uint32_t> renamed(mesh.positions.size(), kUnused);
-  TriangleMesh kept;
-  for (std::array<uint32_t, 3> triangle : mesh.triangles) {
-    if (area[connected.Of(triangle[0])] < min_share * all) continue;
-    for (uint32_t& vertex : triangle) {
-      uint32_t& name = renamed[vertex];
-      if (name == kUnused) {
-        name = static_cast<uint32_t>(kept.positions.size());
-        kept.positions.push_back(mesh.positions[vertex]);
-        if (!mesh.normals.empty()) kept.normals.push_back(mesh.normals[vertex]);
-        if (!mesh.colors.empty()) kept.colors.push_back(mesh.colors[vertex]);
-      }
-      vertex = name;
-    }
-    kept.triangles.push_back(triangle);
+  std::vector<std::array<uint32_t, 3>> kept;
+  for (const auto& triangle : mesh.triangles) {
+    if (area[connected.Of(triangle[0])] >= min_share * all) kept.push_back(triangle);
   }
-  return kept;
+  return PartOf(mesh, kept);
 }
 
 }  // namespace oraclegs

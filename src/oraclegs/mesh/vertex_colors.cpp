@@ -31,7 +31,8 @@ VertexColors::VertexColors(const TriangleMesh& mesh, double tolerance)
     : mesh_(mesh),
       tolerance_(static_cast<float>(tolerance)),
       sums_(mesh.positions.size(), Eigen::Vector3f::Zero()),
-      weights_(mesh.positions.size()) {}
+      weights_(mesh.positions.size()),
+      views_(mesh.positions.size()) {}
 
 void VertexColors::Add(const SurfaceView& view) {
   const Camera& camera = view.surface.camera;
@@ -51,6 +52,7 @@ void VertexColors::Add(const SurfaceView& view) {
       if (weight <= 0 || std::abs(1 / view.surface.inv_depth[pixel] - point.z()) > tolerance_) continue;
       sums_[i] += weight * ColorAt(view.image, u, v);
       weights_[i] += weight;
+      ++views_[i];
     }
   });
 }

@@ -20,12 +20,15 @@ class VertexColors {
 
   /// sRGB of each vertex; gray where no view shows it.
   std::vector<std::array<uint8_t, 3>> Colors() const;
+  /// Number of views that show a vertex.
+  int Views(size_t vertex) const { return views_[vertex]; }
 
  private:
   const TriangleMesh& mesh_;
   float tolerance_;
   std::vector<Eigen::Vector3f> sums_;
   std::vector<float> weights_;
+  std::vector<int> views_;
 };
 
 }  // namespace oraclegs

@@ -31,9 +31,7 @@ struct ExportOptions {
     visit("max-gaussians", self.max_gaussians, "Keep this many, those of most opacity times area; 0 = all",
           Range{0, 1e9});
     visit("remove-outliers", self.remove_outliers, "Leave out small Gaussians that are far from all others");
-    visit("crop", self.crop,
-          "Keep this part: auto (around what the cameras look at), box:x0,y0,z0,x1,y1,z1 or sphere:x,y,z,radius, in "
-          "the axes of the scene");
+    visit("crop", self.crop, kCropHelp);
     visit(
         "up", self.up,
         "Turn the model so that up is this axis of the file: x, -x, y, -y, z, -z, or auto: what viewers of the format "

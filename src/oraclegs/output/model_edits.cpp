@@ -71,6 +71,16 @@ Crop ParseCrop(const std::string& text) {
                    text);
 }
 
+std::vector<int64_t> HeldBy(const Crop& crop, const Gaussians& gaussians, const Similarity& crop_from_gaussians) {
+  const Buffer<float> means = gaussians.means.To(kCpu);
+  std::vector<int64_t> held;
+  for (int64_t i = 0; i < gaussians.size(); ++i) {
+    const Eigen::Vector3d mean = Eigen::Map<const Eigen::Vector3f>(means.data() + 3 * i).cast<double>();
+    if (crop.Holds(crop_from_gaussians * mean)) held.push_back(i);
+  }
+  return held;
+}
+
 std::optional<Eigen::Vector3d> ParseAxis(const std::string& text) {
   if (text.empty() || text == "auto") return std::nullopt;
   const bool negative = text[0] == '-';

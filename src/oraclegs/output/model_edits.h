@@ -24,8 +24,15 @@ struct Crop {
   Crop MovedBy(const Eigen::Vector3d& way) const;
 };
 
+inline constexpr const char* kCropHelp =
+    "Keep this part: auto (around what the cameras look at), box:x0,y0,z0,x1,y1,z1 or sphere:x,y,z,radius, in the axes "
+    "of the scene";
+
 /// "", "auto", "box:x0,y0,z0,x1,y1,z1" or "sphere:x,y,z,r". Throws UsageError that shows the forms.
 Crop ParseCrop(const std::string& text);
+
+/// Indices of the Gaussians whose means the crop holds, which is in coordinates that `crop_from_gaussians` leads to.
+std::vector<int64_t> HeldBy(const Crop& crop, const Gaussians& gaussians, const Similarity& crop_from_gaussians);
 
 /// Unit vector of "x", "-x", "y", "-y", "z" or "-z"; nullopt for "" and "auto". Throws UsageError.
 std::optional<Eigen::Vector3d> ParseAxis(const std::string& text);
