@@ -71,10 +71,8 @@ async function open(run, stage, note, tools) {
     tidy();
     chooser.select(undefined);
   });
-  scene.addEventListener('drawn', () => {
-    modes.setRange(scene.range);
-    stage.dataset.drawn = 'splat';
-  });
+  scene.addEventListener('range', ({detail: range}) => modes.setRange(range));
+  scene.addEventListener('drawn', () => { stage.dataset.drawn = 'splat'; });
   scene.addEventListener('lost', () => say(note, 'The graphics driver has reset the 3D view. Reload the page.'));
   const keys = {p: () => modes.toggle('provenance'), m: () => modes.next(), i: save, Escape: tidy};
   stage.addEventListener('keydown', (event) => {

@@ -2,7 +2,7 @@
 //   "move"     the camera has left the pose of a view
 //   "view"     detail = the view that was clicked          "hover"  detail = the view under the pointer, or undefined
 //   "arrive"   detail = the view whose pose was reached    "drawn"  everything is on the canvas
-//   "lost"     the graphics context was lost
+//   "lost"     the graphics context was lost               "range"  detail = {near, far}: between which depth has its colors
 import {Quaternion, Vector3} from 'three';
 import {countClasses} from '../shared/support_classes.js';
 import {Controls} from './controls.js';
@@ -238,7 +238,9 @@ export class SplatScene extends EventTarget {
 
   measureDepth() {
     this.range = depthRange(this.someCenters, this.stage.camera) ?? this.range;
-    if (this.range) this.recoloring.setRange(this.range);
+    if (!this.range) return;
+    this.recoloring.setRange(this.range);
+    this.report('range', this.range);
   }
 
   // Where the image of the current pose's camera is in the container, in CSS pixels.

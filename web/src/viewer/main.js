@@ -114,10 +114,8 @@ if (scene) {
     tip.textContent = view ? view.name : '';
   });
   scene.addEventListener('lost', () => say('The graphics driver has reset the 3D view. Reload the page.'));
-  scene.addEventListener('drawn', () => {
-    modes.setRange(scene.range);
-    if (scene.mesh) stage.dataset.drawn = source.shown;
-  });
+  scene.addEventListener('range', ({detail: range}) => modes.setRange(range));
+  scene.addEventListener('drawn', () => { if (scene.mesh) stage.dataset.drawn = source.shown; });
 }
 
 function shown() {
