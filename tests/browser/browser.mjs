@@ -15,7 +15,7 @@ export async function launch() {
 
 // Sizes in CSS pixels. Software draws slowly: half the pixels each way do, except for screenshots to look at.
 const fine = process.argv.includes('--screenshots');
-export const DESKTOP = {viewport: {width: 1280, height: 800}, deviceScaleFactor: fine ? 1 : 0.5};
+export const DESKTOP = {viewport: fine ? {width: 1440, height: 900} : {width: 1280, height: 800}, deviceScaleFactor: fine ? 1 : 0.5};
 export const PHONE = {viewport: {width: 390, height: 844}, isMobile: true, hasTouch: true, deviceScaleFactor: fine ? 2 : 1};
 export const NARROW = {...PHONE, viewport: {width: 360, height: 740}};
 

@@ -7,6 +7,8 @@ const CAMERAS = [
   ['train', 0, 1.5, 0], ['train', 0.5, 1.2, 0.06], ['train', -0.5, 1.4, 0], ['train', 1.1, 1.6, 0], ['train', -1.1, 1.3, 0],
   ['test', 0.25, 1.4, 0], ['test', -0.8, 1.5, 0], ['proposal', 1.7, 1.5, 0], ['proposal', -1.8, 1.3, 0]];
 
+const NAMES = {train: 'train', test: 'test', proposal: 'coverage'};
+
 // {document, files: Map of path to bytes, gaussians}
 export function makeRun() {
   const gaussians = makeGaussians();
@@ -16,7 +18,7 @@ export function makeRun() {
     const camera = makeCamera(angle, height, roll);
     const image = render(gaussians, camera);
     const at = (name) => `report/images/${id}_${name}.png`;
-    const view = {id, name: `${role}_${String(id).padStart(4, '0')}`, role, camera, image: put(at('image'), encodePng(image))};
+    const view = {id, name: `${NAMES[role]}_${String(id).padStart(4, '0')}`, role, camera, image: put(at('image'), encodePng(image))};
     if (role === 'train') return view;
     view.render = view.image;  // the truth is the reference; the photo differs from it a little
     view.image = put(at('photo'), encodePng(changed(image, (v) => v * 0.9)));
@@ -81,11 +83,11 @@ function tables() {
     curves: [{name: 'loss', unit: '', x_name: 'iteration', x, y: x.map((v) => 0.3 * Math.exp(-v / 900) + 0.02)},
              {name: 'Gaussians', unit: '', x_name: 'iteration', x, y: x.map((v) => 1500 + v / 2)}],
     support: {auroc: 0.81, classes: classes.map((name, i) => ({name, share: [0.8, 0.1, 0.07, 0.03][i], gaussians: [0.7, 0.15, 0.1, 0.05][i], mean_error: 0.03 * (i + 1)}))},
-    calibration: {title: 'Confidence and truth', x_name: 'confidence', y_name: 'share of right pixels', bins},
+    calibration: {title: 'Trust and truth', x_name: 'trust', y_name: 'share of right pixels', bins},
     registration: {registered: 5, photos: 6, reprojection_error: 0.52, parallax_degrees: 20.4, warnings: [],
                    views: [{name: 'train_0000', status: 'registered', why: '', advice: '', registered: true},
                            {name: 'blurred', status: 'not registered', why: 'few features', advice: 'Take it again with a steady hand.', registered: false}],
-                   advice: [{text: 'Take a photo between train_0003 and train_0004.', view: 6}]},
+                   advice: [{text: 'Take a photo near train_0003.', view: 7}, {text: 'Take a photo between train_0003 and train_0004.', view: 8}]},
     options: [{name: 'iterations', value: '6000', changed: true}, {name: 'seed', value: '0', changed: false}, {name: 'sh_degree', value: '3', changed: false}],
     command: 'oraclegs reconstruct "four balls/" -o out --iterations 6000', licenses: [{name: 'OracleGS', license: 'Apache-2.0', note: ''}],
     warnings: ['<b>One photo</b> was not registered.'], non_commercial: [], memory_bytes: 812345678, device: 'cpu',

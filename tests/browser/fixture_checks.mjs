@@ -68,7 +68,8 @@ async function turnsUp(page) {
   assert.deepEqual(await up(), [0, -1, 0]);
   await page.keyboard.press('u');
   assert.deepEqual(await up(), [0, 0, 1]);
-  assert.equal(await page.locator('.side').isVisible(), false, 'nothing is beside a file without cameras and support');
+  assert.deepEqual(await page.locator('.modes .choices label:visible').allTextContents(), ['color', 'depth', 'normals'], 'its support is unknown');
+  assert.equal(await page.locator('.views').isVisible(), false);
 }
 
 export async function saysThatWebGLIsMissing(browser, {url}) {

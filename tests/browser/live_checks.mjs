@@ -67,7 +67,7 @@ export async function live(browser, {assets, screenshot}) {
     state.live = {...makeLive(1000, 'finished'), document_revision: 2};
     await page.evaluate(() => globalThis.oraclegs.session.poll());
     await drawn('final');
-    await page.locator('.provenance').waitFor({state: 'visible'});
+    await page.locator('.modes').getByText('provenance').waitFor({state: 'visible'});
     assert.equal(await page.locator('.badge').textContent(), 'Finished');
     for (const [name, text] of [['failed', 'The run failed'], ['interrupted', 'The run was stopped']]) {
       state.live = {...makeLive(1000, name), document_revision: 2};

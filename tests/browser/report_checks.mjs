@@ -20,6 +20,7 @@ export async function desktop(browser, {file, bound, screenshot}) {
   const milliseconds = await page.evaluate(() => performance.getEntriesByType('navigation')[0].loadEventEnd);
   console.log(`     ${file} opens in ${(milliseconds / 1000).toFixed(2)} s (at most ${MAX_LOAD_MS / 1000} s are wanted)`);
   await screenshot(page, 'report');
+  await showsTheHero(page);
   await hasItsSections(page, run);
   await showsItsImages(page);
   const tests = run.views?.filter((view) => view.role === 'test' && view.render && view.image) ?? [];
@@ -35,6 +36,7 @@ export async function desktop(browser, {file, bound, screenshot}) {
 export async function narrow(browser, {file, screenshot}) {
   const {page, problems, close, run} = await open(browser, file, {...NARROW, colorScheme: 'dark'});
   await checks.fitsTheWidth(page);
+  await showsTheHero(page);
   await screenshot(page, 'report_phone', true);
   if (run.splat?.url) {
     await page.getByRole('button', {name: 'Show in 3D'}).tap();
@@ -43,6 +45,18 @@ export async function narrow(browser, {file, screenshot}) {
   }
   assert.deepEqual(problems, []);
   await close();
+}
+
+// The whole image is on the first screen, and no text lies over it.
+async function showsTheHero(page) {
+  const image = page.locator('.hero > img');
+  if (!(await image.count())) return;
+  await image.evaluate((element) => element.decode());
+  const [box, text, fit] = [await image.boundingBox(), await page.locator('.hero-text').boundingBox(), await image.evaluate((element) => getComputedStyle(element).objectFit)];
+  const window = page.viewportSize();
+  assert.ok(box.x >= 0 && box.y >= 0 && box.x + box.width <= window.width && box.y + box.height <= window.height, JSON.stringify(box));
+  assert.ok(text.y >= box.y + box.height - 1, 'its text is below');
+  assert.equal(fit, 'contain');
 }
 
 async function hasItsSections(page, run) {
@@ -116,6 +130,9 @@ async function showsTheSplat(page, {run, bound, screenshot}) {
   if (run.views?.length) {
     await checks.clicksAFrustum(page);
     await checks.comparesBySlider(page);
+    await checks.changesTheLens(page, {run, goTo});
+    await checks.suggestsPhotos(page, run);
   }
+  await checks.savesAnImage(page, {run, save: () => page.getByRole('button', {name: 'Save image'}).click()});
   await screenshot(page, 'report_3d');
 }

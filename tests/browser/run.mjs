@@ -11,13 +11,16 @@ import {join, resolve} from 'node:path';
 import {fileURLToPath} from 'node:url';
 import {parseArgs} from 'node:util';
 import {launch} from './browser.mjs';
+import {accessibility} from './accessibility.mjs';
 import {makeRun} from './fixture.mjs';
 import * as fixture from './fixture_checks.mjs';
 import {live} from './live_checks.mjs';
 import {writeReport} from './report_file.mjs';
+import {modes} from './mode_checks.mjs';
 import * as report from './report_checks.mjs';
 import {startServer} from './server.mjs';
 import * as viewer from './viewer_checks.mjs';
+import {plainWords} from './word_checks.mjs';
 
 const {values: options} = parseArgs({options: {
   assets: {type: 'string'}, url: {type: 'string'}, report: {type: 'string'}, bound: {type: 'string'}, screenshots: {type: 'string'}, only: {type: 'string'}}});
@@ -61,6 +64,7 @@ async function checkFixture(browser) {
   const {url} = server;
   await checkViewer(browser, url);
   await check('provenance', () => fixture.classesHaveTheirColors(browser, {url, run}));
+  await check('modes', () => modes(browser, {assets, screenshot}));
   await check('no_webgl', () => fixture.saysThatWebGLIsMissing(browser, {url}));
   await check('little', () => fixture.copesWithLittle(browser, {assets, run}));
   await check('live', () => live(browser, {assets, screenshot}));
@@ -68,6 +72,8 @@ async function checkFixture(browser) {
   const file = join(folder, 'report.html');
   await writeReport(file, assets, run);
   await checkReport(browser, file);
+  await check('words', () => plainWords(browser, {assets, run, file}));
+  await check('accessibility', () => accessibility(browser, {assets, run, file}));
 }
 
 const browser = await launch();
@@ -79,4 +85,4 @@ try {
   await browser.close();
   rmSync(folder, {recursive: true, force: true});
 }
-process.exitCode = failed ? 1 : 0;
+process.exit(failed ? 1 : 0);  // a check that failed may have left its server open

@@ -32,6 +32,23 @@ export function makeGaussians() {
   return out;
 }
 
+// Three sides of a cube of edge 1, each of flat Gaussians: {gaussians, sides: [{center, normal}]}. makeCamera(-0.7) sees them.
+export function makeSides() {
+  const middle = [0, -0.3, 0];
+  const sides = [[-1, 0, 0], [0, -1, 0], [0, 0, -1]].map((normal) => ({normal, center: middle.map((v, k) => v + 0.5 * normal[k])}));
+  const gaussians = sides.flatMap(({normal, center}) => {
+    const [right, up] = [0, 1, 2].filter((k) => !normal[k]);
+    const scales = normal.map((v) => (v ? 0.004 : 0.05));
+    return Array.from({length: 144}, (_, i) => {
+      const position = [...center];
+      position[right] += (i % 12 - 5.5) / 12;
+      position[up] += (Math.floor(i / 12) - 5.5) / 12;
+      return {position, scales, opacity: 0.95, color: [0.5, 0.5, 0.5], support: 0.9};
+    });
+  });
+  return {gaussians, sides};
+}
+
 export const ballCenter = (i) => BALLS[i].center;
 
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];

@@ -1,7 +1,8 @@
 // Checks of the 3D view of both pages, for any run: it shows what the program rendered, provenance, frusta.
 import assert from 'node:assert/strict';
+import {readFile} from 'node:fs/promises';
 import {decodeInPage, difference, settled, shownImage} from './picture.mjs';
-import {psnr} from './png.mjs';
+import {decodePng, psnr} from './png.mjs';
 
 // goTo(view): chooses a view as a user does. resolve(url): where the page finds it.
 export async function showsTheRender(page, {run, goTo, resolve, bound}) {
@@ -36,6 +37,61 @@ export async function tintsAndHides(page, {range}) {
   await settled(page);
   assert.ok(difference(before, await shownImage(page, 160, 120)) < 1, 'the colors come back');
   return tinted;
+}
+
+// Flies to each suggested photo, whose text stands there until the camera moves.
+export async function suggestsPhotos(page, run) {
+  const advice = run.registration?.advice?.filter(({view}) => run.views.some(({id, camera}) => id === view && camera)) ?? [];
+  for (const [i, {text, view}] of advice.entries()) {
+    await page.getByRole('button', {name: `Suggested photo ${i + 1}`}).click();
+    await page.waitForFunction((id) => globalThis.oraclegs.scene.current?.id === id, view);
+    const caption = page.locator('.suggestion-caption');
+    await caption.waitFor({state: 'visible'});
+    assert.equal(await caption.textContent(), text);
+    assert.equal(await page.locator('.compare-layer').isVisible(), false, 'the splat alone is seen');
+    await page.locator('.stage canvas').focus();
+    await page.keyboard.press('ArrowLeft', {delay: 100});
+    assert.equal(await caption.isVisible(), false, 'it goes when the camera moves');
+  }
+}
+
+// The slider changes the angle; a flight brings that of its camera. goTo(view): as in showsTheRender.
+export async function changesTheLens(page, {run, goTo}) {
+  const angle = () => page.evaluate(() => globalThis.oraclegs.scene.fieldOfView);
+  const slider = page.getByLabel('Field of view in degrees');
+  const view = run.views.find((v) => v.role === 'train' && v.camera);
+  await goTo(view);
+  await settled(page);
+  const own = await angle();
+  assert.equal(Number(await slider.inputValue()), Math.round(own));
+  for (const wanted of [120, 30]) {
+    await slider.fill(String(wanted));
+    await settled(page);
+    assert.ok(Math.abs((await angle()) - wanted) < 1e-6, `${wanted} degrees are ${await angle()}`);
+    assert.equal(Number(await slider.inputValue()), wanted);
+  }
+  assert.equal(await page.locator('.compare-layer').isVisible(), false, 'no image fits another lens');
+  await goTo(view);
+  await settled(page);
+  assert.ok(Math.abs((await angle()) - own) < 1e-6, 'the camera has its own lens');
+}
+
+// The saved image has the canvas's pixels and shows what it shows.
+export async function savesAnImage(page, {run, save}) {
+  await settled(page);
+  const wanted = page.waitForEvent('download');
+  await save();
+  const download = await wanted;
+  assert.equal(download.suggestedFilename(), `${run.title.replace(/[/\\:*?"<>|]+/g, '_')}.png`);
+  const image = decodePng(await readFile(await download.path()));
+  const size = await page.evaluate(() => {
+    const {width, height} = globalThis.oraclegs.scene.canvas;
+    return {width, height};
+  });
+  assert.deepEqual({width: image.width, height: image.height}, size);
+  let bright = 0;
+  for (const value of image.rgb) bright += value > 60;
+  assert.ok(bright > 0.02 * image.rgb.length, 'it is not empty');
 }
 
 // Turns the camera and clicks a frustum that is in sight; the page flies there and shows its image.
@@ -91,7 +147,7 @@ export async function tabsThrough(page, atLeast) {
       globalThis.tabOrder ??= new Map();
       if (!globalThis.tabOrder.has(element)) globalThis.tabOrder.set(element, globalThis.tabOrder.size);
       const outlined = (e) => e && getComputedStyle(e).outlineStyle !== 'none';
-      const name = element.getAttribute('aria-label') ?? element.labels?.[0]?.textContent ?? element.textContent ?? '';
+      const name = element.getAttribute('aria-label') ?? element.labels?.[0]?.textContent ?? (element.textContent || element.querySelector('img')?.alt) ?? '';
       return {id: globalThis.tabOrder.get(element), what: element.outerHTML.slice(0, 90), name: name.trim(),
               focus: outlined(element) || outlined(element.nextElementSibling) || outlined(element.closest('.slider-frame'))};
     });

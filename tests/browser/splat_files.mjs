@@ -13,6 +13,7 @@ export function encodeSplat(gaussians) {
   return out;
 }
 
+// `scales` of a Gaussian are those of its axes, in place of its `scale`.
 // Version 2, without spherical harmonics: 24-bit positions with 12 bits after the point, y up and z backward.
 export function encodeSpz(gaussians) {
   const n = gaussians.length;
@@ -26,7 +27,7 @@ export function encodeSpz(gaussians) {
   const alphas = Buffer.from(gaussians.map((g) => byte(255 * g.opacity)));
   const shOf = (c) => (c - 0.5) / 0.28209479177387814;
   const colors = Buffer.from(gaussians.flatMap((g) => g.color.map((c) => byte(255 * (shOf(c) * 0.15 + 0.5)))));
-  const scales = Buffer.from(gaussians.flatMap((g) => Array(3).fill(byte((Math.log(g.scale) + 10) * 16))));
+  const scales = Buffer.from(gaussians.flatMap((g) => (g.scales ?? Array(3).fill(g.scale)).map((s) => byte((Math.log(s) + 10) * 16))));
   const rotations = Buffer.alloc(3 * n, 128);
   return gzipSync(Buffer.concat([header, positions, alphas, colors, scales, rotations]));
 }

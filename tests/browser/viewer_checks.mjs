@@ -35,6 +35,16 @@ export async function desktop(browser, {url, bound, screenshot}) {
     await page.keyboard.press('h');
     await settled(page);
   }
+  if (views > 0) {
+    const goTo = async (view) => {
+      await page.locator(`#view-${view.id}`).click();
+      await page.waitForFunction((id) => globalThis.oraclegs.scene.current?.id === id, view.id);
+    };
+    await checks.changesTheLens(page, {run, goTo});
+    await checks.suggestsPhotos(page, run);
+    await page.keyboard.press('h');
+  }
+  await checks.savesAnImage(page, {run, save: () => page.keyboard.press('i')});
   if (run.splat.support) {
     await checks.tintsAndHides(page, {range: page.getByLabel('Hide Gaussians with support below')});
     await page.keyboard.press('p');
@@ -59,6 +69,11 @@ export async function phone(browser, {url, screenshot}) {
   const {page, problems, close, run} = await open(browser, url, PHONE);
   await checks.fitsTheWidth(page);
   await screenshot(page, 'viewer_phone');
+  await showsTheSplatAlone(page);
+  await page.getByRole('button', {name: 'Panel'}).tap();
+  await page.locator('.side').waitFor({state: 'visible'});
+  await checks.fitsTheWidth(page);
+  await screenshot(page, 'viewer_phone_panel', true);
   if (run.views?.length) {
     const view = run.views[run.views.length - 1];
     await page.locator(`#view-${view.id}`).tap();
@@ -67,6 +82,20 @@ export async function phone(browser, {url, screenshot}) {
   }
   assert.deepEqual(problems, []);
   await close();
+}
+
+// The first look has neither cameras nor panel over or beside the splat.
+async function showsTheSplatAlone(page) {
+  const cameras = () => page.evaluate(() => globalThis.oraclegs.scene.frusta.shown().length);
+  assert.equal(await cameras(), 0);
+  assert.equal(await page.locator('.side').isVisible(), false);
+  const scrolls = await page.evaluate(() => document.documentElement.scrollHeight > window.innerHeight);
+  assert.equal(scrolls, false, 'the 3D view fills the window');
+  const button = page.getByRole('button', {name: 'Cameras'});
+  if (!(await button.isVisible())) return;
+  await button.tap();
+  assert.ok((await cameras()) > 0, 'they can be switched on');
+  await button.tap();
 }
 
 async function choosesByKeyboard(page, views) {

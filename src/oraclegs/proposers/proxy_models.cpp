@@ -32,7 +32,7 @@ std::vector<T> Without(const std::vector<T>& all, const std::vector<int>& held_o
 Listener AsProxies(const Listener& listener, int64_t before, int64_t total) {
   return [=](const Event& event) {
     if (const auto* step = std::get_if<StepDone>(&event)) {
-      listener(StepDone{"proxies", before + step->done, total, "iterations of proxy models", step->detail});
+      listener(StepDone{"proxies", before + step->done, total, "iterations of draft models", step->detail});
     } else if (!std::holds_alternative<Note>(event)) {
       listener(event);
     }

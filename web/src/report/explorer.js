@@ -4,8 +4,11 @@ import {bytesOf, fromBase64} from '../shared/bytes.js';
 import {h, fill, put} from '../shared/dom.js';
 import {ROLES} from '../shared/roles.js';
 import {CompareOverlay} from '../ui/compare_overlay.js';
-import {ProvenancePanel} from '../ui/provenance_panel.js';
+import {LensSlider} from '../ui/lens_slider.js';
+import {ModePanel} from '../ui/mode_panel.js';
 import {RoleToggles} from '../ui/role_toggles.js';
+import {saveImage} from '../ui/save_image.js';
+import {Suggestions} from '../ui/suggestions.js';
 
 export function explorer(run) {
   if (!run.splat?.url) return null;
@@ -37,33 +40,46 @@ async function open(run, stage, note, tools) {
   say(note, '');
   stage.querySelector('.poster')?.remove();
 
-  const chooser = viewChooser(run.views ?? [], (view) => {
+  const tidy = () => {  // takes away what belongs to one pose
     overlay.hide();
+    suggestions.hide();
+  };
+  const goTo = (view) => {
+    tidy();
     if (view) scene.goTo(view);
     else scene.home();
-  });
-  const provenance = new ProvenancePanel((tint, hideBelow) => scene.setProvenance(tint, hideBelow));
-  provenance.setCounts(scene.classCounts);
+  };
+  const suggestions = new Suggestions(stage, goTo);
+  suggestions.setRun(run);
+  const chooser = viewChooser(run.views ?? [], goTo);
+  const modes = new ModePanel((mode, hideBelow) => scene.show(mode, hideBelow));
+  modes.setCounts(scene.classCounts);
+  modes.element.append(new LensSlider(scene).element);
   const roles = new RoleToggles((visible) => scene.setVisible(visible));
   roles.setViews(scene.views);
-  fill(tools, h('div', {class: 'panel'}, chooser.element, roles.element), provenance.element);
+  scene.setVisible(roles.visible);
+  const save = () => saveImage(scene, run.title);
+  fill(tools, h('div', {class: 'panel'}, chooser.element, roles.element, h('p', {}, h('button', {type: 'button', onclick: save}, 'Save image'))),
+    modes.element, suggestions.element);
   tools.hidden = false;
-  scene.addEventListener('view', ({detail: view}) => scene.goTo(view));
+  scene.addEventListener('view', ({detail: view}) => goTo(view));
   scene.addEventListener('arrive', ({detail: view}) => {
     chooser.select(view);
-    overlay.show(view);
+    if (!suggestions.arrived(view)) overlay.show(view);
   });
   scene.addEventListener('move', () => {
-    overlay.hide();
+    tidy();
     chooser.select(undefined);
   });
+  scene.addEventListener('range', ({detail: range}) => modes.setRange(range));
   scene.addEventListener('drawn', () => { stage.dataset.drawn = 'splat'; });
   scene.addEventListener('lost', () => say(note, 'The graphics driver has reset the 3D view. Reload the page.'));
+  const keys = {p: () => modes.toggle('provenance'), m: () => modes.next(), i: save, Escape: tidy};
   stage.addEventListener('keydown', (event) => {
-    if (event.key.toLowerCase() === 'p' && !event.ctrlKey && !event.metaKey) provenance.toggle();
-    if (event.key === 'Escape') overlay.hide();
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    keys[event.key.length === 1 ? event.key.toLowerCase() : event.key]?.();
   });
-  scene.canvas.setAttribute('aria-label', '3D view: arrow keys turn, W A S D move, plus and minus zoom, P colors by support');
+  scene.canvas.setAttribute('aria-label', '3D view: arrow keys turn, W A S D move, plus and minus zoom, M changes what is shown, P shows provenance, I saves an image');
   globalThis.oraclegs = {scene};  // for the console and for tests
   scene.canvas.focus({preventScroll: true});
 }

@@ -1,16 +1,14 @@
 // The top of the page: an image, what it is, and what went wrong.
 import {h} from '../shared/dom.js';
-import {bytes, number} from '../shared/format.js';
+import {bytes, fileName, number} from '../shared/format.js';
 
 export function hero(run) {
   const views = (role) => (run.views ?? []).filter((view) => view.role === role).length;
   const facts = [
     views('train') && `${views('train')} training views`, views('test') && `${views('test')} test views`,
-    views('proposal') && `${views('proposal')} proposals`, run.splat?.gaussians && `${number(run.splat.gaussians)} Gaussians`,
+    views('proposal') && `${views('proposal')} invented views`, run.splat?.gaussians && `${number(run.splat.gaussians)} Gaussians`,
     Number.isFinite(run.scores?.psnr) && `PSNR ${number(run.scores.psnr, 2)} dB`].filter(Boolean);
   const image = run.hero?.url && h('img', {src: run.hero.url, alt: run.hero.caption || `Render of ${run.title ?? 'the scene'}`});
-  // A portrait as wide as the page would show little of itself.
-  image?.addEventListener?.('load', () => image.classList.toggle('tall', image.naturalHeight > image.naturalWidth));
   return h('header', {class: image ? 'hero' : 'hero bare'},
     image,
     h('div', {class: 'hero-text'}, h('h1', {}, run.title ?? 'OracleGS'), h('p', {}, facts.join(' · ')),
@@ -20,8 +18,7 @@ export function hero(run) {
 // The splat lies inside the page: it can be taken out without the program.
 function download({splat, title}) {
   if (!splat?.url) return null;
-  const name = `${(title ?? 'splat').replace(/[^\p{L}\p{N}_.-]+/gu, '_')}.${splat.format ?? 'spz'}`;
-  return h('p', {}, h('a', {class: 'button', href: splat.url, download: name}, `Download the splat (${(splat.format ?? 'spz').toUpperCase()}${splat.bytes ? `, ${bytes(splat.bytes)}` : ''})`));
+  return h('p', {}, h('a', {class: 'button', href: splat.url, download: fileName(title, splat.format ?? 'spz')}, `Download the splat (${(splat.format ?? 'spz').toUpperCase()}${splat.bytes ? `, ${bytes(splat.bytes)}` : ''})`));
 }
 
 export function film(run) {

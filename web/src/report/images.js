@@ -1,11 +1,12 @@
-// Test views with a slider between render and truth; proposals with what became of them.
+// Test views with a slider between render and truth; invented views with what became of them.
 import {h} from '../shared/dom.js';
 import {number} from '../shared/format.js';
 import {CLASSES} from '../shared/support_classes.js';
 import {imageSlider} from '../ui/image_slider.js';
 import {plasmaLegend} from '../ui/plasma_legend.js';
+import {swatch} from '../ui/swatches.js';
 
-const MAX_OPEN = 8;  // proposals that are shown without a click
+const MAX_OPEN = 8;  // invented views that are shown without a click
 const MAX_TRAINED = 6;  // training views beside their renders
 
 // Photos that were held out; without them some that were trained on.
@@ -32,11 +33,7 @@ function pair(view) {
 }
 
 export function supportLegend() {
-  return h('div', {class: 'plan-legend'}, CLASSES.map(({name, color}) => {
-    const swatch = h('i', {class: 'swatch', 'aria-hidden': 'true'});
-    swatch.style.background = color;
-    return h('span', {}, swatch, name);
-  }));
+  return h('div', {class: 'plan-legend'}, CLASSES.map(({name, color}) => h('span', {}, swatch(color), name)));
 }
 
 export function proposals(run) {
@@ -46,16 +43,16 @@ export function proposals(run) {
   const byId = new Map(views.map((view) => [view.id, view]));
   const rows = list.map((view) => proposal(view, byId.get(view.nearest)));
   return h('div', {},
-    h('p', {class: 'lead'}, 'The proposed view, how far the oracle trusts each pixel, the final render from there, and the nearest photo.'),
+    h('p', {class: 'lead'}, 'A view that no camera took, how far the program trusts each pixel of it, the final render from there, and the nearest photo.'),
     plasmaLegend(), rows.slice(0, MAX_OPEN),
-    rows.length > MAX_OPEN && h('details', {}, h('summary', {}, `The other ${rows.length - MAX_OPEN} proposals`), rows.slice(MAX_OPEN)));
+    rows.length > MAX_OPEN && h('details', {}, h('summary', {}, `The other ${rows.length - MAX_OPEN} invented views`), rows.slice(MAX_OPEN)));
 }
 
 function proposal(view, nearest) {
   const images = [
-    ['Proposal', view.image, view.name], ['Confidence', view.confidence, view.name], ['Final render', view.render, view.name],
+    ['Invented view', view.image, view.name], ['Trust', view.confidence, view.name], ['Final render', view.render, view.name],
     [`Nearest photo${nearest ? `: ${nearest.name}` : ''}`, nearest?.image ?? nearest?.thumbnail, nearest?.name]].filter(([, image]) => image?.url);
-  const facts = [view.source && `from ${view.source}`, Number.isFinite(view.mean_confidence) && `mean confidence ${number(view.mean_confidence, 2)}`];
+  const facts = [view.source && `from ${view.source}`, Number.isFinite(view.mean_confidence) && `mean trust ${number(view.mean_confidence, 2)}`];
   return h('article', {class: 'proposal'}, h('h3', {}, view.name, h('span', {}, facts.filter(Boolean).join(' · '))),
     h('div', {class: 'strip'}, images.map(([label, image, name]) => h('figure', {},
       h('img', {src: image.url, alt: `${label} of ${name}`, loading: 'lazy', decoding: 'async', width: view.camera?.width, height: view.camera?.height}),

@@ -3,6 +3,7 @@ import {h} from '../shared/dom.js';
 import {number, percent} from '../shared/format.js';
 import {CLASSES} from '../shared/support_classes.js';
 import {Chart} from '../ui/chart.js';
+import {swatch} from '../ui/swatches.js';
 import {table} from './table.js';
 
 export function curves(run) {
@@ -15,18 +16,13 @@ export function curves(run) {
 export function support(run) {
   const classes = run.support?.classes ?? [];
   if (classes.length === 0) return null;
-  const colors = new Map(CLASSES.map((c) => [c.name, c.color]));
-  const name = (row) => {
-    const swatch = h('i', {class: 'swatch', 'aria-hidden': 'true'});
-    swatch.style.cssText = `display:inline-block;vertical-align:-3px;margin-right:8px;background:${colors.get(row.name) ?? '#888'}`;
-    return h('span', {}, swatch, row.name);
-  };
+  const rows = classes.map((row, i) => ({...row, ...CLASSES[i]}));  // best first in both; a document may have older names
   const column = (key, title, show) => classes.some((c) => Number.isFinite(c[key])) && {name: title, number: true, value: (c) => c[key], cell: (c) => show(c[key])};
   return h('div', {},
     h('p', {class: 'lead'}, 'Support says how well photos show a Gaussian, and so a pixel. Pixels of low support should have larger errors.',
       Number.isFinite(run.support.auroc) && ` As a detector of errors above 0.1, low support has an AUROC of ${number(run.support.auroc, 2)}.`),
-    h('div', {class: 'card'}, table(classes, [
-      {name: 'Class', value: (c) => c.name, cell: name},
+    h('div', {class: 'card'}, table(rows, [
+      {name: 'Class', value: (c) => c.name, cell: (c) => h('span', {class: 'class-name'}, swatch(c.color), c.name)},
       column('gaussians', 'Gaussians', (v) => percent(v, 1)), column('share', 'Pixels of test views', (v) => percent(v, 1)),
       column('mean_error', 'Mean error', (v) => number(v, 3))].filter(Boolean), {caption: 'Classes of support'})));
 }
@@ -34,13 +30,13 @@ export function support(run) {
 export function calibration(run) {
   const bins = (run.calibration?.bins ?? []).filter((bin) => Number.isFinite(bin.confidence) && Number.isFinite(bin.share));
   if (bins.length === 0) return null;
-  const {title, x_name = 'confidence', y_name = 'share of right pixels'} = run.calibration;
+  const {title, x_name = 'trust', y_name = 'share of right pixels'} = run.calibration;
   const x = bins.map((bin) => bin.confidence);
   const chart = new Chart([
     {name: y_name, x_name, x, y: bins.map((bin) => bin.share)},
     {name: 'perfect', x_name, x: [0, 1], y: [0, 1], dash: [6, 5]},
   ], {points: true, yName: y_name, range: {x: [0, 1], y: [0, 1]}, height: 300});
   return h('div', {},
-    h('p', {class: 'lead'}, title && `${title}. `, 'On the dashed line, pixels of confidence 0.7 are right 70 % of the time; below it, the oracle trusts too much.'),
+    h('p', {class: 'lead'}, title && `${title}. `, 'On the dashed line, pixels with a trust of 0.7 are right 70 % of the time; below it, the program trusts too much.'),
     h('div', {class: 'card'}, chart.element));
 }

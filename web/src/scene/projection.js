@@ -37,3 +37,14 @@ export function mixIntrinsics(from, to, t) {
     cx: mix(from.cx * sx, to.cx), cy: mix(from.cy * sy, to.cy),
   };
 }
+
+const radians = (degrees) => (degrees * Math.PI) / 180;
+
+// Degrees between the upper and the lower edge of what a camera shows.
+export const verticalAngle = (camera) => (2 * Math.atan(1 / camera.projectionMatrix.elements[5]) * 180) / Math.PI;
+
+// Intrinsics of a lens that shows `to` degrees where these show `from`.
+export function widened(intrinsics, from, to) {
+  const scale = Math.tan(radians(from) / 2) / Math.tan(radians(to) / 2);
+  return {...intrinsics, fx: intrinsics.fx * scale, fy: intrinsics.fy * scale};
+}

@@ -2,18 +2,20 @@
 //   "move"     the camera has left the pose of a view
 //   "view"     detail = the view that was clicked          "hover"  detail = the view under the pointer, or undefined
 //   "arrive"   detail = the view whose pose was reached    "drawn"  everything is on the canvas
-//   "lost"     the graphics context was lost
+//   "lost"     the graphics context was lost               "range"  detail = {near, far}: between which depth has its colors
 import {Quaternion, Vector3} from 'three';
 import {countClasses} from '../shared/support_classes.js';
 import {Controls} from './controls.js';
+import {depthRange} from './depth_range.js';
 import {Frusta} from './frusta.js';
 import {defaultIntrinsics, forwardOf, frameOf, lookingAt, poseOf} from './poses.js';
-import {imageRect, mixIntrinsics} from './projection.js';
-import {Provenance} from './provenance.js';
+import {imageRect, mixIntrinsics, verticalAngle, widened} from './projection.js';
+import {Recoloring} from './recoloring.js';
 import {centersOf, decodeSplat, pointUnder} from './splat.js';
 import {Stage} from './stage.js';
 
 const FLIGHT_MS = 700;
+const RANGE_CENTERS = 4000;  // of Gaussians that decide the range of depth's colors; looked at whenever the camera moves
 const UPS = [[0, -1, 0], [0, 0, 1], [0, 1, 0], [0, 0, -1], [1, 0, 0], [-1, 0, 0]].map((up) => new Vector3(...up));
 
 export class SplatScene extends EventTarget {
@@ -23,7 +25,7 @@ export class SplatScene extends EventTarget {
     this.stage = new Stage(container, () => this.drawn());
     this.canvas = this.stage.canvas;
     this.views = [];
-    this.tint = 0;
+    this.mode = 'color';
     this.hideBelow = 0;
     this.settle(lookingAt(new Vector3(0, 0, -3), new Vector3(), new Vector3(0, -1, 0), defaultIntrinsics));
     this.controls = new Controls(this.stage, {
@@ -72,17 +74,18 @@ export class SplatScene extends EventTarget {
       mesh.dispose();
       return;
     }
-    const provenance = support && support.length >= mesh.numSplats ? new Provenance(mesh, support) : undefined;
+    const known = support && support.length >= mesh.numSplats ? support.subarray(0, mesh.numSplats) : undefined;
     this.removeSplat();
     this.mesh = mesh;
-    this.provenance = provenance;
-    this.classCounts = provenance ? countClasses(support.subarray(0, mesh.numSplats)) : undefined;
-    provenance?.set(this.tint, this.hideBelow);
+    this.recoloring = new Recoloring(mesh, known);
+    this.classCounts = known && countClasses(known);
+    this.someCenters = centersOf(mesh, RANGE_CENTERS);
     if (!this.placed) {
       this.centers = centersOf(mesh);
       this.applyFrame();
       this.home(true);
     }
+    this.recolor();
     this.stage.scene.add(mesh);
     this.stage.invalidate();
   }
@@ -90,21 +93,35 @@ export class SplatScene extends EventTarget {
   removeSplat() {
     if (!this.mesh) return;
     this.stage.scene.remove(this.mesh);
-    this.provenance?.dispose();
+    this.recoloring.dispose();
     this.mesh.dispose();
-    this.mesh = this.provenance = this.classCounts = undefined;
+    this.mesh = this.recoloring = this.classCounts = this.someCenters = undefined;
   }
 
   get gaussians() {
     return this.mesh?.numSplats ?? 0;
   }
 
-  // tint: whether the Gaussians have the colors of their classes; hideBelow: support in [0,1].
-  setProvenance(tint, hideBelow) {
-    this.tint = tint ? 1 : 0;
-    this.hideBelow = hideBelow;
-    this.provenance?.set(this.tint, hideBelow);
-    this.stage.invalidate();
+  // mode: the id of a row in shared/modes.js; hideBelow: support in [0,1].
+  show(mode, hideBelow) {
+    Object.assign(this, {mode, hideBelow});
+    this.recolor();
+  }
+
+  recolor() {
+    this.recoloring?.set(this.mode, this.hideBelow);
+    this.lens();
+  }
+
+  // Degrees from the top of the 3D view to its bottom.
+  get fieldOfView() {
+    return verticalAngle(this.stage.camera);
+  }
+
+  // Until the next flight, which takes the lens of its camera.
+  setFieldOfView(degrees) {
+    this.pose = {...this.pose, intrinsics: widened(this.pose.intrinsics, this.fieldOfView, degrees)};
+    this.moved();
   }
 
   setVisible(visible) {
@@ -134,6 +151,11 @@ export class SplatScene extends EventTarget {
     this.place = {center: frame.center.toArray(), radius: frame.radius, up: UPS[(at + 1) % UPS.length].toArray()};
     this.applyFrame();
     this.home();
+  }
+
+  // What is on the canvas, as a PNG of its size.
+  image() {
+    return this.stage.image();
   }
 
   // Goes to a view's camera; "arrive" follows.
@@ -211,6 +233,14 @@ export class SplatScene extends EventTarget {
     const {radius, center} = frame;
     const far = this.pose.position.distanceTo(center) + 100 * radius;
     this.stage.setLens(this.pose.intrinsics, 0.01 * radius, far);
+    if (this.mode === 'depth' && this.mesh) this.measureDepth();
+  }
+
+  measureDepth() {
+    this.range = depthRange(this.someCenters, this.stage.camera) ?? this.range;
+    if (!this.range) return;
+    this.recoloring.setRange(this.range);
+    this.report('range', this.range);
   }
 
   // Where the image of the current pose's camera is in the container, in CSS pixels.

@@ -114,6 +114,14 @@ export class Stage {
     else this.onDrawn();
   }
 
+  // A PNG of the canvas, whose pixels are there only until the browser has shown them: so it is drawn once more.
+  image() {
+    if (this.quality < 1) this.setQuality(1);
+    this.camera.updateMatrixWorld();
+    this.renderer.render(this.scene, this.camera);
+    return new Promise((done) => this.canvas.toBlob(done, 'image/png'));
+  }
+
   dispose() {
     this.observer.disconnect();
     clearTimeout(this.restTimer);

@@ -20,6 +20,9 @@ export function bytes(value) {
   return `${i ? value.toFixed(1) : value} ${units[i]}`;
 }
 
+// A name that every system can store.
+export const fileName = (title, ending) => `${(title || 'splat').replace(/[\p{Cc}/\\:*?"<>|]+/gu, '_')}.${ending}`;
+
 // Few digits for any size; for axes and tables of unknown things.
 export function short(value) {
   if (!Number.isFinite(value)) return '–';

@@ -1,9 +1,9 @@
 // Classes of support, best first. Colors of Okabe and Ito, which color-blind people can distinguish.
 export const CLASSES = [
-  {name: 'seen by two or more images', from: 0.75, color: '#0072b2'},
-  {name: 'seen by one image', from: 0.5, color: '#56b4e9'},
-  {name: 'proposed and trusted', from: 0.25, color: '#f0e442'},
-  {name: 'weakly supported', from: 0, color: '#d55e00'},
+  {name: 'well seen', from: 0.75, color: '#0072b2'},
+  {name: 'seen by one photo', from: 0.5, color: '#56b4e9'},
+  {name: 'invented and trusted', from: 0.25, color: '#f0e442'},
+  {name: 'weak', from: 0, color: '#d55e00'},
 ];
 
 export const classOf = (support) => CLASSES.findIndex((c) => support >= c.from);

@@ -1,5 +1,8 @@
-// Legend of a confidence map's colors.
+// Legend of the colors of a map of trust.
 import {h} from '../shared/dom.js';
+import {ramp} from './swatches.js';
 
-export const plasmaLegend = () => h('div', {class: 'plasma', role: 'img', 'aria-label': 'Confidence: purple is 0, no trust; yellow is 1, trust'},
-  h('span', {}, '0 ignored'), h('span', {class: 'plasma-bar'}), h('span', {}, '1 trusted'));
+const PLASMA = ['#0d0887', '#46039f', '#7201a8', '#9c179e', '#bd3786', '#d8576b', '#ed7953', '#fb9f3a', '#fdca26', '#f0f921'];
+
+export const plasmaLegend = () => h('div', {class: 'ramp', role: 'img', 'aria-label': 'Trust: purple is 0, none; yellow is 1, full'},
+  ramp(PLASMA, '0 ignored', '1 trusted'));

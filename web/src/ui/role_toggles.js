@@ -3,10 +3,11 @@ import {ROLES} from '../shared/roles.js';
 import {h, fill} from '../shared/dom.js';
 
 export class RoleToggles {
-  // onChange({train, test, proposal}: booleans)
+  // onChange({train, test, proposal}: booleans). On a phone the cameras would cover the scene, and are off at first.
   constructor(onChange) {
     this.onChange = onChange;
-    this.visible = {train: true, test: true, proposal: true};
+    const on = !matchMedia('(max-width: 760px)').matches;
+    this.visible = Object.fromEntries(Object.keys(ROLES).map((role) => [role, on]));
     this.element = h('div', {class: 'roles', role: 'group', 'aria-label': 'Cameras in the 3D view'});
   }
 

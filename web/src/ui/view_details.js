@@ -1,4 +1,4 @@
-// The images of the chosen view beside the 3D view: for a proposal also what was proposed and how far it is trusted.
+// The images of the chosen view beside the 3D view: for an invented view also how far it is trusted.
 import {imagesOf, ROLES} from '../shared/roles.js';
 import {h, fill} from '../shared/dom.js';
 import {number} from '../shared/format.js';
@@ -17,7 +17,7 @@ export class ViewDetails {
     const nearest = views.find((other) => other.id === view.nearest && other.id !== view.id);
     const facts = [
       Number.isFinite(view.psnr) && `PSNR ${number(view.psnr, 2)} dB`, Number.isFinite(view.ssim) && `SSIM ${number(view.ssim, 3)}`,
-      Number.isFinite(view.mean_confidence) && `mean confidence ${number(view.mean_confidence, 2)}`,
+      Number.isFinite(view.mean_confidence) && `mean trust ${number(view.mean_confidence, 2)}`,
       view.source && `from ${view.source}`].filter(Boolean);
     fill(this.element,
       h('h2', {}, `${ROLES[view.role]?.name ?? 'View'} `, h('span', {class: 'dim'}, view.name)),

@@ -5,7 +5,7 @@ const HELP = [
   ['drag · one finger', 'turn around the scene'], ['right button, Shift + drag · two fingers', 'move'],
   ['wheel · pinch', 'go nearer, go away'], ['double click', 'turn around what is there'], ['click a camera', 'fly there and compare with its image'],
   ['← → ↑ ↓', 'turn (3D view), choose (list of views)'], ['W A S D, Q E', 'walk, down and up; with Shift faster'], ['+ −', 'nearer, away'],
-  ['N B', 'next view, the one before'], ['P', 'provenance: colors by support'], ['C', 'show or hide the cameras'],
+  ['N B', 'next view, the one before'], ['M', 'show color, provenance, depth or normals'], ['P', 'show provenance: colors by support'], ['I', 'save the 3D view as an image'], ['C', 'show or hide the cameras'],
   ['H', 'back to the first camera'], ['U', 'another axis is up, for files without cameras'], ['F', 'full screen'], ['Esc', 'end the comparison'], ['?', 'this help']];
 
 // actions: {key: function}, keys in lower case. Typing in a field is left alone.

@@ -4,8 +4,11 @@ import {hasWebGL2} from '../scene/stage.js';
 import {fill, h, put} from '../shared/dom.js';
 import {number} from '../shared/format.js';
 import {CompareOverlay} from '../ui/compare_overlay.js';
-import {ProvenancePanel} from '../ui/provenance_panel.js';
+import {LensSlider} from '../ui/lens_slider.js';
+import {ModePanel} from '../ui/mode_panel.js';
 import {RoleToggles} from '../ui/role_toggles.js';
+import {saveImage} from '../ui/save_image.js';
+import {Suggestions} from '../ui/suggestions.js';
 import {ViewDetails} from '../ui/view_details.js';
 import {ViewList} from '../ui/view_list.js';
 import {helpDialog, listenForKeys} from './keys.js';
@@ -27,29 +30,33 @@ put(stage, mosaic, note, tip, banner);
 
 const session = new Session();
 const run = new RunPanel();
-const provenance = new ProvenancePanel((tint, hideBelow) => {
-  scene?.setProvenance(tint, hideBelow);
-  provenanceButton.setAttribute('aria-pressed', String(tint));
-});
+const modes = new ModePanel((mode, hideBelow) => scene?.show(mode, hideBelow));
+const suggestions = new Suggestions(stage, (view) => choose(view));
 const roles = new RoleToggles((visible) => scene?.setVisible(visible));
 const details = new ViewDetails(fileUrl, (view) => choose(view));
 const list = new ViewList(fileUrl, (view) => choose(view), (view) => scene?.mark(view));
 
 const tool = (label, key, action) => h('button', {type: 'button', title: `${label} (${key})`, onclick: action}, label, ' ', h('kbd', {'aria-hidden': 'true'}, key));
-const provenanceButton = tool('Provenance', 'P', () => provenance.toggle());
-provenanceButton.hidden = true;
-provenanceButton.setAttribute('aria-pressed', 'false');
 const camerasButton = tool('Cameras', 'C', () => roles.toggleAll());
 const upButton = tool('Up', 'U', () => nextUp());
-camerasButton.hidden = upButton.hidden = true;
+const imageButton = tool('Save image', 'I', () => save());
+camerasButton.hidden = upButton.hidden = imageButton.hidden = true;
+const foldButton = h('button', {type: 'button', class: 'fold', 'aria-controls': 'side', onclick: () => fold(!viewer.classList.contains('folded'))}, 'Panel');
 const tools = h('div', {class: 'tools'},
-  tool('Home', 'H', () => home()), upButton, provenanceButton, camerasButton, tool('Keys', '?', () => help.showModal()));
+  tool('Home', 'H', () => home()), upButton, camerasButton, imageButton, tool('Keys', '?', () => help.showModal()));
 
-put(page, h('div', {class: 'viewer'},
-  h('header', {class: 'bar'}, title, badge, facts, tools), stage,
-  h('aside', {class: 'side', 'aria-label': 'Images and progress'}, run.element, provenance.element, details.element,
-    h('section', {class: 'panel views', hidden: true}, h('h2', {}, 'Views'), roles.element, list.element))), help);
-const viewsPanel = page.querySelector('.views');
+const viewsPanel = h('section', {class: 'panel views', hidden: true}, h('h2', {}, 'Views'), roles.element, list.element);
+const viewer = h('div', {class: 'viewer'},
+  h('header', {class: 'bar'}, title, badge, foldButton, facts, tools), stage,
+  h('aside', {class: 'side', id: 'side', 'aria-label': 'Images and progress'},
+    run.element, suggestions.element, modes.element, details.element, viewsPanel));
+put(page, viewer, help);
+
+// Only a narrow window folds the panel, so that the 3D view has all of it.
+function fold(folded) {
+  viewer.classList.toggle('folded', folded);
+  foldButton.setAttribute('aria-expanded', String(!folded));
+}
 
 const say = (text) => {
   note.hidden = !text;
@@ -62,20 +69,34 @@ let source;
 try {
   if (!hasWebGL2()) throw new Error('this browser has no WebGL 2, or it is switched off');
   scene = new SplatScene(stage);
+  scene.setVisible(roles.visible);
+  modes.element.append(new LensSlider(scene).element);
 } catch (error) {
   say(`The 3D view needs WebGL 2: ${error.message}. The images beside it work without.`);
 }
 
+fold(Boolean(scene));
+
 function choose(view) {
   list.select(view);
   details.show(view, session.document?.views ?? []);
-  overlay?.hide();
+  tidy();
   if (view.camera) scene?.goTo(view);
 }
 
 function home() {
-  overlay?.hide();
+  tidy();
   scene?.home();
+}
+
+// Takes away what belongs to one pose.
+function tidy() {
+  overlay?.hide();
+  suggestions.hide();
+}
+
+function save() {
+  if (!imageButton.hidden) saveImage(scene, title.textContent);
 }
 
 function nextUp() {
@@ -86,19 +107,20 @@ if (scene) {
   overlay = new CompareOverlay(stage, scene, fileUrl, () => overlay.hide());
   source = new SplatSource(scene, say, shown);
   scene.addEventListener('view', (event) => choose(event.detail));
-  scene.addEventListener('arrive', (event) => overlay.show(event.detail));
-  scene.addEventListener('move', () => overlay.hide());
+  scene.addEventListener('arrive', ({detail: view}) => suggestions.arrived(view) || overlay.show(view));
+  scene.addEventListener('move', tidy);
   scene.addEventListener('hover', ({detail: view}) => {
     tip.hidden = !view;
     tip.textContent = view ? view.name : '';
   });
   scene.addEventListener('lost', () => say('The graphics driver has reset the 3D view. Reload the page.'));
+  scene.addEventListener('range', ({detail: range}) => modes.setRange(range));
   scene.addEventListener('drawn', () => { if (scene.mesh) stage.dataset.drawn = source.shown; });
 }
 
 function shown() {
-  provenance.setCounts(scene.classCounts);
-  provenanceButton.hidden = !scene.classCounts;
+  modes.setCounts(scene.classCounts);
+  imageButton.hidden = false;
   showFacts();
 }
 
@@ -129,10 +151,12 @@ let shownDocument;
 session.addEventListener('change', () => {
   const {document: doc, live} = session;
   showState(live);
-  if (doc && JSON.stringify([doc.views, doc.place, doc.splat]) !== shownDocument) {
-    shownDocument = JSON.stringify([doc.views, doc.place, doc.splat]);
+  const described = JSON.stringify([doc?.views, doc?.place, doc?.splat, doc?.registration?.advice]);
+  if (doc && described !== shownDocument) {
+    shownDocument = described;
     list.setViews(doc.views ?? []);
     roles.setViews(doc.views ?? []);
+    suggestions.setRun(scene && doc);
     viewsPanel.hidden = camerasButton.hidden = !doc.views?.length;
     upButton.hidden = !viewsPanel.hidden || !scene;
     scene?.setDocument(doc);
@@ -155,8 +179,8 @@ session.addEventListener('back', () => {
 });
 
 listenForKeys({
-  p: () => provenance.toggle(), h: home, u: nextUp, c: () => roles.toggleAll(), n: () => list.step(1), b: () => list.step(-1),
-  '?': () => help.showModal(), Escape: () => overlay?.hide(),
+  m: () => modes.next(), p: () => modes.toggle('provenance'), i: save, h: home, u: nextUp, c: () => roles.toggleAll(), n: () => list.step(1), b: () => list.step(-1),
+  '?': () => help.showModal(), Escape: tidy,
   f: () => (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen?.().catch(() => {})),
 });
 

@@ -198,7 +198,7 @@ void ReportViews::AddProposals() {
                   [&](const Target& t) { return !fs::exists(paths.proposals() / (t.name + ".png"), ignored); });
     for (const Target& target : Evenly(targets, kReportedProposals)) AddProposal(target);
   } catch (const InputError& damage) {  // a report is no reason to make proposals again
-    run_.listener(Warning{fmt::format("{}; the report lacks proposals", damage.what())});
+    run_.listener(Warning{fmt::format("{}; the report lacks invented views", damage.what())});
   }
 }
 

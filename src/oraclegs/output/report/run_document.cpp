@@ -153,12 +153,12 @@ json RegistrationOf(const Run& run, const json& advice) {
   return registration;
 }
 
-/// Confidence against truth, where `evaluate --check-oracle` has measured it; else null.
+/// Confidence against truth in plain words, where `evaluate --check-oracle` has measured it; else null.
 json CalibrationOf(const Run& run) {
   const json oracle = ReadOptional(run.workspace.root() / "oracle.json");
   if (!oracle.is_object() || !oracle.contains("oracle")) return nullptr;
-  return {{"title", "Confidence of the proposals against images from the same poses"},
-          {"x_name", "confidence"},
+  return {{"title", "Trust in the invented views against photos from the same poses"},
+          {"x_name", "trust"},
           {"y_name", "similarity"},
           {"bins", oracle["oracle"].value("reliability", json::array())}};
 }

@@ -1,0 +1,99 @@
+// Gives each Gaussian the color of a mode (shared/modes.js), and hides those with little support. Where there is support,
+// a texel a Gaussian holds the color of its class and its support. Uniforms say what is shown, so a change costs nothing.
+import {Vector2} from 'three';
+import {RgbaArray, dyno} from '@sparkjsdev/spark';
+import {MODES} from '../shared/modes.js';
+import {CLASSES, classOfByte, rgbOf} from '../shared/support_classes.js';
+
+export class Recoloring {
+  // support: Uint8Array, one byte a Gaussian in the order of the splat, 255 = support 1; or nothing.
+  constructor(mesh, support) {
+    this.mesh = mesh;
+    if (support) {
+      this.texels = new RgbaArray({array: texelsOf(support, mesh.numSplats), count: mesh.numSplats});
+      this.texels.needsUpdate = true;
+    }
+    this.mode = dyno.dynoInt(0);
+    this.hideBelow = dyno.dynoFloat(0);
+    this.nearness = dyno.dynoVec2(new Vector2(0, 1));  // 1 / far, 1 / near
+    mesh.objectModifier = dyno.dynoBlock({gsplat: dyno.Gsplat}, {gsplat: dyno.Gsplat}, ({gsplat}) => ({gsplat: this.apply(gsplat)}));
+    mesh.updateGenerator();
+  }
+
+  // In the object's frame, where Spark knows the camera.
+  apply(gsplat) {
+    const {viewToObject} = this.mesh.context;
+    const inputs = {
+      gsplat, mode: this.mode, hideBelow: this.hideBelow, range: this.nearness, eye: viewToObject.translate, turn: viewToObject.rotate,
+      ...(this.texels && {texels: this.texels.dyno})};
+    return new dyno.Dyno({
+      inTypes: {
+        gsplat: dyno.Gsplat, mode: 'int', hideBelow: 'float', range: 'vec2', eye: 'vec3', turn: 'vec4',
+        ...(this.texels && {texels: this.texels.dyno.type})},
+      outTypes: {gsplat: dyno.Gsplat},
+      inputs,
+      globals: () => MODES.filter((mode) => mode.ramp).map((mode) => rampFunction(mode.ramp)),
+      statements: ({inputs: i, outputs: o}) => `
+        ${o.gsplat} = ${i.gsplat};
+        {
+          vec3 own = ${i.gsplat}.rgba.rgb;
+          vec3 shown = own;
+          float brightness = dot(clamp(own, 0.0, 1.0), vec3(0.2126, 0.7152, 0.0722));
+          vec4 texel = ${i.texels ? `texelFetch(${i.texels}.texture, splatTexCoord(${i.gsplat}.index), 0)` : 'vec4(own, 1.0)'};
+          vec3 support = texel.rgb;
+          vec3 away = ${i.gsplat}.center - ${i.eye};
+          float nearness = (1.0 / max(length(away), 1e-9) - ${i.range}.x) / (${i.range}.y - ${i.range}.x);
+          vec3 scales = ${i.gsplat}.scales;
+          float least = min(scales.x, min(scales.y, scales.z));
+          vec3 axis = quatVec(${i.gsplat}.quaternion, least == scales.z ? vec3(0, 0, 1) : least == scales.y ? vec3(0, 1, 0) : vec3(1, 0, 0));
+          vec3 normal = quatVec(vec4(-${i.turn}.xyz, ${i.turn}.w), dot(axis, away) > 0.0 ? -axis : axis) * vec3(1, -1, -1);
+          ${MODES.map(({shader}, k) => (shader ? `if (${i.mode} == ${k}) { ${shader} }` : '')).join('\n')}
+          ${o.gsplat}.rgba.rgb = shown;
+          if (texel.a + 0.001 < ${i.hideBelow}) ${o.gsplat}.rgba.a = 0.0;
+        }
+      `.split('\n'),
+    }).outputs.gsplat;
+  }
+
+  // id: of a mode; one that needs support shows true colors without it. hideBelow: support in [0,1].
+  set(id, hideBelow) {
+    const at = MODES.findIndex((mode) => mode.id === id && (this.texels || mode.needs !== 'support'));
+    this.mode.value = Math.max(0, at);
+    this.hideBelow.value = hideBelow;
+    this.mesh.enableViewToObject = this.mode.value > 0;  // the colors follow the camera
+    this.mesh.updateVersion();
+  }
+
+  // The distances at the ends of the ramp, in scene units.
+  setRange({near, far}) {
+    this.nearness.value.set(1 / far, 1 / near);
+    this.mesh.updateVersion();
+  }
+
+  dispose() {
+    this.texels?.dispose();
+  }
+}
+
+function rampFunction(colors) {
+  const stops = colors.map((color) => `vec3(${rgbOf(color).map((v) => (v / 255).toFixed(4)).join(', ')})`);
+  const last = colors.length - 1;
+  return `
+    vec3 ramp(float value) {
+      vec3 stops[${colors.length}] = vec3[](${stops.join(', ')});
+      float at = clamp(value, 0.0, 1.0) * ${last}.0;
+      int below = min(int(at), ${last - 1});
+      return mix(stops[below], stops[below + 1], at - float(below));
+    }`;
+}
+
+function texelsOf(support, n) {
+  const colors = CLASSES.map((c) => rgbOf(c.color));
+  const out = new Uint8Array(Math.ceil(n / 2048) * 2048 * 4);
+  for (let i = 0; i < n; i++) {
+    const value = support[i] ?? 255;
+    const [r, g, b] = colors[classOfByte(value)];
+    out.set([r, g, b, value], 4 * i);
+  }
+  return out;
+}
