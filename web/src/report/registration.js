@@ -16,7 +16,8 @@ export function registration(run) {
   return h('div', {}, figures(facts),
     (found.warnings ?? []).map((text) => h('p', {class: 'warning'}, text)),
     troubled.length > 0 && h('div', {class: 'card'}, rows(troubled)),
-    views.length > troubled.length && h('details', {}, h('summary', {}, `All ${views.length} photos`), h('div', {class: 'card'}, rows(views))));
+    views.length > troubled.length && h('details', {}, h('summary', {}, `All ${views.length} photos`), h('div', {class: 'card'}, rows(views))),
+    found.attempts?.length > 1 && h('details', {}, h('summary', {}, `All ${found.attempts.length} attempts`), h('div', {class: 'card'}, attempts(found.attempts))));
 }
 
 // Where another photo would help, each with how the splat looks from there now.
@@ -30,6 +31,14 @@ export function next(run) {
       h('figcaption', {class: 'advice'}, text));
   }));
 }
+
+const attempts = (list) => table(list, [
+  {name: 'Attempt', value: (attempt) => `${attempt.features}, ${attempt.name}`},
+  {name: 'Photos', number: true, value: (attempt) => attempt.registered},
+  {name: 'Points', number: true, value: (attempt) => attempt.points},
+  {name: 'Kept', value: (attempt) => (attempt.kept ? 'yes' : 'no')},
+  {name: 'Why', value: (attempt) => attempt.why ?? ''},
+], {caption: 'Attempts to find the cameras', sortable: list.length > 3});
 
 const rows = (views) => table(views, [
   {name: 'Photo', value: (view) => view.name},
