@@ -2,6 +2,7 @@
 """Commands on a run work at its size, also where that was automatic, or at --max-size."""
 
 import json
+import re
 import subprocess
 
 from harness import EndToEnd, command, main, read_png
@@ -41,8 +42,8 @@ class RunSize(EndToEnd):
     def test_mesh_takes_voxels_of_its_size(self):
         voxels = {}
         for options, width in [([], OWN), (["--max-size", ASKED], ASKED)]:
-            said = self.run_program("mesh", self.run_folder, "-o", self.dir / f"{width}.ply", "--renders", 6, *options)
-            voxels[width] = float(said.stdout.split("voxels of ")[1].split(")")[0].split()[0])
+            said = self.run_program("mesh", self.run_folder, "-o", self.dir / f"{width}.ply", "--renders", 6, "--min-part", 0, "--min-renders", 1, *options)
+            voxels[width] = float(re.search(r"voxels of ([0-9.e-]+)", said.stdout)[1])
         self.assertGreater(voxels[ASKED], 1.5 * voxels[OWN])
 
     def test_a_splat_of_others_is_scored_at_its_size(self):
