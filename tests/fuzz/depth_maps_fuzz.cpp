@@ -1,7 +1,9 @@
-// Depth maps of a workspace: depth_params.json, and the PNG of 16 bits where the bytes have a second part.
+// Depth maps of a workspace or of the user's own: depth_params.json, and the PNG of 16 bits where the bytes have a
+// second part.
 
 #include "fuzz/fuzz.h"
 #include "oraclegs/depth/depth_files.h"
+#include "oraclegs/depth/given_depth.h"
 #include "oraclegs/image/codecs.h"
 
 namespace {
@@ -26,5 +28,7 @@ ORACLEGS_FUZZ_TARGET(depth_maps) {
   folder.Put("depth_params.json", parts[0]);
   if (parts.size() > 1) folder.Put("b.png", parts[1]);
   Camera camera{4, 3, 4, 4, 2, 1.5};
-  fuzz::Try([&] { ReadDepthMaps(folder.path(), {parts.size() > 1 ? "b.jpg" : "a.jpg"}, {camera}); });
+  const std::vector<std::string> names = {parts.size() > 1 ? "b.jpg" : "a.jpg"};
+  fuzz::Try([&] { ReadDepthMaps(folder.path(), names, {camera}); });
+  fuzz::Try([&] { ReadGivenDepth(folder.path(), names, {camera}, 1); });
 }

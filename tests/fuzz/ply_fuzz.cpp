@@ -1,7 +1,8 @@
-// PLY: Gaussians of any trainer, and the compressed kind.
+// PLY: Gaussians of any trainer, the compressed kind, and points.
 
 #include "fuzz/fuzz.h"
 #include "oraclegs/formats/codecs.h"
+#include "oraclegs/gaussians/initialize.h"
 #include "oraclegs/gaussians/ply.h"
 
 ORACLEGS_FUZZ_TARGET(ply) {
@@ -9,4 +10,5 @@ ORACLEGS_FUZZ_TARGET(ply) {
   static const fuzz::Folder folder;
   fuzz::Try([&] { DecodeCompressedPly(bytes, "f"); });
   fuzz::Try([&] { ReadGaussianPly(folder.Put("a.ply", bytes)); });
+  fuzz::Try([&] { ReadPointPly(folder.Put("a.ply", bytes)); });
 }

@@ -55,9 +55,8 @@ fs::path ConfidenceFile(const fs::path& dir, const std::string& stem) { return d
 
 /// Pixel of an image of another size that covers the middle of pixel (x, y) of the camera's.
 size_t Nearest(const Camera& camera, int x, int y, int width, int height) {
-  const auto at = [](int i, int from, int to) { return std::min(to - 1, (2 * i + 1) * to / (2 * from)); };
-  return static_cast<size_t>(at(y, camera.height, height)) * static_cast<size_t>(width) +
-         static_cast<size_t>(at(x, camera.width, width));
+  const auto at = [](int64_t i, int64_t from, int64_t to) { return std::min(to - 1, (2 * i + 1) * to / (2 * from)); };
+  return static_cast<size_t>(at(y, camera.height, height) * width + at(x, camera.width, width));
 }
 
 /// A depth is known where the file has one that is finite and in front of the camera.
@@ -66,7 +65,7 @@ void FillDepth(const Image16& depth, const Params& params, DepthMap* map) {
     for (int x = 0; x < map->camera.width; ++x) {
       const uint16_t value = depth.values[Nearest(map->camera, x, y, depth.width, depth.height)];
       const float inv_depth = static_cast<float>(value) / kWhole16 * params.scale + params.offset;
-      map->inv_depth.push_back(value > 0 && inv_depth > 0 ? inv_depth : 0);
+      map->inv_depth.push_back(value > 0 && inv_depth > 0 && std::isfinite(inv_depth) ? inv_depth : 0);
     }
   }
 }
