@@ -25,6 +25,18 @@ TEST(StageRecords, AreEmptyWhereThereIsNoFile) {
   EXPECT_THAT(records.damaged, IsEmpty());
 }
 
+TEST(UnfinishedSplat, IsNamedByItsRecord) {
+  const TempDir dir;
+  EXPECT_EQ(UnfinishedSplat(dir.path()), "");
+  Inspect(dir, R"({"best so far": {"of": "draft model", "worth": 3}})");
+  EXPECT_EQ(UnfinishedSplat(dir.path()), "draft model");
+  std::string said;
+  WarnOfUnfinished(dir.path(), [&](const Event& event) { said = std::get<Warning>(event).text; });
+  EXPECT_THAT(said, testing::HasSubstr("point_cloud.ply: its run was stopped: this is its draft model"));
+  Inspect(dir, R"({"best so far": {"of": 3}})");
+  EXPECT_EQ(UnfinishedSplat(dir.path()), "") << "a damaged record is none";
+}
+
 TEST(StageRecords, SayWhenTheFileIsNone) {
   const TempDir dir;
   for (const char* text : {"{\"train\":", "", "[]", "null", "3", "\xff\xfe"}) {
@@ -57,6 +69,8 @@ TEST(StageRecords, LeaveOutWhatHasAnotherType) {
                                                  {"gaussians", "x"},
                                                  {"targets", 4e64},
                                                  {"seconds", -1e300},
+                                                 {"of", 3},
+                                                 {"worth", "much"},
                                                  {"mean_confidence", {{"a", "b"}}},
                                                  {"mean_confidence", 1},
                                                  {"test", json::array()},

@@ -59,7 +59,9 @@ constexpr std::array kFields = {Field{"key", IsText},
                                 Field{"peak_memory_bytes", IsNumber},
                                 Field{"chosen", IsObject},
                                 Field{"milliseconds_per_iteration", IsObjectOrNull},
-                                Field{"test", IsObject}};
+                                Field{"test", IsObject},
+                                Field{"of", IsText},
+                                Field{"worth", IsNumber}};
 
 /// Checks the network that found poses; other stages record theirs as text.
 bool IsNetwork(const json& value) {
