@@ -3,6 +3,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/run/reconstruct.h"
+#include "oraclegs/run/stages.h"
 #include "oraclegs/run/start.h"
 #include "oraclegs/workspace/stage_records.h"
 #include "run/proposing.h"
@@ -50,6 +51,14 @@ TEST_F(BestSoFarTest, GrowsWithEachStopAndEndsWithTheResult) {
   EXPECT_EQ(UnfinishedSplat(paths.root()), "draft model");
   Reconstruct(request, Silent());
   EXPECT_EQ(UnfinishedSplat(paths.root()), "");
+}
+
+TEST_F(BestSoFarTest, LeavesNoRequestWhereNoneWas) {
+  auto run = StartRun(Request("by_a_caller"), Silent());
+  RunStage(&run, "depth");
+  LeaveBestSoFar(&run);
+  EXPECT_FALSE(InterruptRequested());
+  EXPECT_EQ(UnfinishedSplat(run.workspace.root()), "dense points");
 }
 
 }  // namespace

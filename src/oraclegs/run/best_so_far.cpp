@@ -22,9 +22,14 @@ namespace {
 class InterruptPause {
  public:
   InterruptPause() { RequestInterrupt(false); }
-  ~InterruptPause() { RequestInterrupt(true); }
+  ~InterruptPause() {
+    if (was_requested_) RequestInterrupt(true);  // else a caller of the library ended the run, and may begin another
+  }
   InterruptPause(const InterruptPause&) = delete;
   InterruptPause& operator=(const InterruptPause&) = delete;
+
+ private:
+  bool was_requested_ = InterruptRequested();
 };
 
 enum class Worth { kNothing, kPoints, kDensePoints, kDraftModel, kBegunTraining, kLowerQuality, kHalfTrained, kResult };
