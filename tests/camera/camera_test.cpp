@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "support/errors.h"
 
@@ -50,6 +51,14 @@ TEST(Camera, ResizesWithTheSameRays) {
   for (const double share : {0., 0.3, 1.}) {
     EXPECT_NEAR((share * 640 - camera.cx) / camera.fx, (share * 160 - small.cx) / small.fx, 1e-15);
     EXPECT_NEAR((share * 480 - camera.cy) / camera.fy, (share * 96 - small.cy) / small.fy, 1e-15);
+  }
+}
+
+TEST(TurnBetween, IsTheAngle) {
+  Camera a, b;
+  for (const double angle : {0., 1e-7, 0.3, 2., std::numbers::pi}) {
+    b.cam_from_world.linear() = Eigen::AngleAxisd(angle, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+    EXPECT_NEAR(TurnBetween(a, b), angle, 1e-7) << angle;
   }
 }
 

@@ -216,5 +216,15 @@ TEST(WriteDensePly, WritesHeaderAndPoints) {
   EXPECT_EQ(static_cast<uint8_t>(second[31]), 255) << "as many as a byte can say";
 }
 
+TEST_F(DepthFilesTest, KeepViewsWithoutDepth) {
+  const DepthMap none{"b.jpg", kCamera, {}, {}, {}};
+  const std::vector<std::string> files = WriteDepthMaps(dir_.path(), {none, MapNamed("a.jpg")});
+  EXPECT_THAT(files, testing::Not(testing::Contains("b.png")));
+  const std::vector<DepthMap> read = ReadDepthMaps(dir_.path(), {"b.jpg", "a.jpg"}, {kCamera, kCamera});
+  EXPECT_EQ(read.at(0).size(), 0u);
+  EXPECT_EQ(read.at(0).name, "b.jpg");
+  EXPECT_EQ(read.at(1).inv_depth, Read().at(0).inv_depth);
+}
+
 }  // namespace
 }  // namespace oraclegs

@@ -155,5 +155,15 @@ TEST(Thinned, KeepsSmallClouds) {
   EXPECT_TRUE(Thinned({}, 10, 1).empty());
 }
 
+TEST(FuseDepth, SkipsViewsWithoutDepth) {
+  const std::vector<LoadedView> views = TakeAll(kSlanted, Arc(3, 6));
+  std::vector<DepthMap> maps = TrueDepths(views, kSlanted);
+  const std::vector<DensePoint> two = FuseDepth({maps[0], maps[2]}, {views[0], views[2]}, {});
+  maps[1] = {maps[1].name, maps[1].camera, {}, {}, {}};
+  const std::vector<DensePoint> points = FuseDepth(maps, views, {});
+  ASSERT_EQ(points.size(), two.size());
+  for (size_t i = 0; i < points.size(); i += 89) EXPECT_EQ(points[i].xyz, two[i].xyz);
+}
+
 }  // namespace
 }  // namespace oraclegs

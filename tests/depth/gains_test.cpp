@@ -62,5 +62,14 @@ TEST_F(GainsTest, AreOneWithoutOverlap) {
   EXPECT_EQ(ExposureSpread({}), 0);
 }
 
+TEST_F(GainsTest, RecoverExposureOfViewWithoutDepth) {
+  for (const double x : {-0.6, 0., 0.6}) Add(x, {1, 1, 1});
+  Add(0.3, {0.6f, 0.7f, 0.8f});
+  maps.back() = {maps.back().name, maps.back().camera, {}, {}, {}};
+  const std::vector<Eigen::Vector3f> gains = EstimateGains(maps, views);
+  const Eigen::Vector3f found = gains[3].cwiseQuotient(gains[0]);
+  EXPECT_LT((found - Eigen::Vector3f(0.6f, 0.7f, 0.8f)).cwiseAbs().maxCoeff(), 0.02);
+}
+
 }  // namespace
 }  // namespace oraclegs

@@ -129,5 +129,29 @@ TEST(FindNeighbors, AreNoneWithoutOverlap) {
   EXPECT_THAT(FindNeighbors(Blanks({apart[0]}), {}, 5), ElementsAre(IsEmpty()));
 }
 
+TEST(ViewsForStereo, AreAllOfFew) {
+  const std::vector<size_t> views = ViewsForStereo(Arc(static_cast<int>(kMaxStereoViews), 2));
+  ASSERT_EQ(views.size(), kMaxStereoViews);
+  for (size_t v = 0; v < views.size(); ++v) EXPECT_EQ(views[v], v);
+}
+
+TEST(ViewsForStereo, AreSpreadEvenly) {
+  const std::vector<Camera> cameras = Arc(191, 1);
+  const std::vector<size_t> views = ViewsForStereo(cameras);
+  ASSERT_EQ(views.size(), kMaxStereoViews);
+  EXPECT_EQ(views.front(), 0u);
+  EXPECT_EQ(views.back(), 190u);
+  for (size_t k = 1; k < views.size(); ++k) {
+    EXPECT_GE(views[k] - views[k - 1], 1u);
+    EXPECT_LE(views[k] - views[k - 1], 8u);
+  }
+}
+
+TEST(ViewsForStereo, LeaveOutRepeatedPoses) {
+  std::vector<Camera> cameras(2 * kMaxStereoViews, CameraAt({0, 0, -4}, {0, 0, 0}));
+  cameras[7] = CameraAt({1, 0, -4}, {0, 0, 0});
+  EXPECT_THAT(ViewsForStereo(cameras), ElementsAre(0, 7));
+}
+
 }  // namespace
 }  // namespace oraclegs

@@ -57,5 +57,21 @@ TEST(ChooseByCoverage, StopsWithoutGain) {
   EXPECT_TRUE(ChooseByCoverage(points, {OnCircle(0)}, {}, 5).empty());
 }
 
+TEST(Openness, IsTheNewnessOfPhotos) {
+  const auto points = SpherePoints(4000, 1);
+  EXPECT_EQ(Openness(points, {OnCircle(0)}), 1);
+  EXPECT_EQ(Openness(points, {}), 1);
+  EXPECT_EQ(Openness({}, RigAround(5)), 1);
+  double before = 1;
+  for (const double step : {30., 10., 3., 1.}) {
+    std::vector<Camera> train;
+    for (double angle = 0; angle < 360; angle += step) train.push_back(OnCircle(angle));
+    const double open = Openness(points, train);
+    EXPECT_LT(open, before) << step;
+    EXPECT_NEAR(open, 1 - std::exp(-step / 10), 0.15) << step;
+    before = open;
+  }
+}
+
 }  // namespace
 }  // namespace oraclegs

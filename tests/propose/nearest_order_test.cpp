@@ -9,14 +9,6 @@
 namespace oraclegs {
 namespace {
 
-TEST(TurnBetween, IsTheAngle) {
-  Camera a, b;
-  for (const double angle : {0., 1e-7, 0.3, 2., std::numbers::pi}) {
-    b.cam_from_world.linear() = Eigen::AngleAxisd(angle, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
-    EXPECT_NEAR(TurnBetween(a, b), angle, 1e-7) << angle;
-  }
-}
-
 TEST(NearestOrder, OrdersLine) {
   std::vector<Camera> cameras;
   for (const int x : {4, 0, 7, 2, 6, 1, 5, 3}) {

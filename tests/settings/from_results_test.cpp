@@ -24,14 +24,16 @@ TEST(SettleSfmPoints, TakesTheModelsWhereAllViewsTrain) {
 
 TEST(SettleTargets, AsksProxyModelsForMore) {
   TrajectoryOptions asked;
-  EXPECT_EQ(SettleTargets(asked, true).count, 96);
-  const TargetPlan usual = SettleTargets(asked, false);
+  EXPECT_EQ(SettleTargets(asked, true, 1).count, 96);
+  const TargetPlan usual = SettleTargets(asked, false, 1);
   EXPECT_EQ(usual.count, 32);
   EXPECT_EQ(usual.trajectory, Trajectory::kDataset);
   EXPECT_TRUE(usual.or_coverage);
+  EXPECT_EQ(SettleTargets(asked, true, 0.9 * kMinOpenness).count, 0) << "nothing is open";
   asked.proposals = 5, asked.trajectory = Trajectory::kDataset;
-  EXPECT_EQ(SettleTargets(asked, true).count, 5);
-  EXPECT_FALSE(SettleTargets(asked, true).or_coverage) << "asked for, however few there are";
+  EXPECT_EQ(SettleTargets(asked, true, 1).count, 5);
+  EXPECT_EQ(SettleTargets(asked, true, 0).count, 5);
+  EXPECT_FALSE(SettleTargets(asked, true, 1).or_coverage) << "asked for, however few there are";
 }
 
 TEST(SettleProxyFinish, IsLongerForAnObject) {

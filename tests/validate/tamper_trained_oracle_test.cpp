@@ -112,5 +112,12 @@ TEST_F(TamperTrainedOracleTest, LearnsFromAtMostThirtyTwoViews) {
   EXPECT_EQ(TamperTrainedOracle::TrainingSamples(500), 128u);
 }
 
+TEST(LearnedViews, AreAllOfFewAndSomeOfMany) {
+  EXPECT_EQ(LearnedViews(3), (std::vector<size_t>{0, 1, 2}));
+  const std::vector<size_t> of_many = LearnedViews(300);
+  EXPECT_EQ(of_many.size(), 24u);
+  EXPECT_EQ(of_many[1] - of_many[0], 12u);
+}
+
 }  // namespace
 }  // namespace oraclegs

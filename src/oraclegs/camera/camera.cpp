@@ -42,4 +42,10 @@ Camera Resized(const Camera& camera, int width, int height) {
   return resized;
 }
 
+double TurnBetween(const Camera& a, const Camera& b) {
+  // Angle from the chord between the rotations: the trace would lose half of the digits of a small angle.
+  const double chord = (a.cam_from_world.linear() - b.cam_from_world.linear()).norm();
+  return 2 * std::asin(std::min(1., chord / (2 * std::sqrt(2.))));
+}
+
 }  // namespace oraclegs

@@ -25,4 +25,7 @@ struct Camera {
 /// A view on an image of another size, in pixels: intrinsics scale per axis.
 Camera Resized(const Camera& camera, int width, int height);
 
+/// Angle between the rotations of two cameras, radians.
+double TurnBetween(const Camera& a, const Camera& b);
+
 }  // namespace oraclegs

@@ -6,10 +6,12 @@
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/statistics.h"
+#include "oraclegs/depth/nearest_sources.h"
 
 namespace oraclegs {
 namespace {
 
+constexpr size_t kMaxWitnesses = 10;                          // views that say whether a depth is right
 constexpr float kMaxAngle = 75;                               // degrees between views that can agree
 constexpr float kMeasuringAngle = 4, kMinAngleWeight = 0.25;  // degrees below which agreement has less weight
 constexpr float kPixelSigma = 0.8f, kDepthSigma = 0.01f;      // of a round trip
@@ -31,12 +33,16 @@ struct OtherView {
   Eigen::Vector3f center;  ///< in the frame of the view whose confidence is computed
 };
 
-/// All other views. Views that look another way are left out later, by the angle between the rays to each point.
+/// The other views nearest to this one. Views that look another way are left out later, by the angle between the rays
+/// to each point.
 std::vector<OtherView> Others(const StereoScene& scene, size_t view, const std::vector<PlaneMap>& maps) {
+  NearestSources nearest;
+  for (size_t v = 0; v < scene.views.size(); ++v) {
+    nearest.Add(scene.views[v].camera, [&planes = maps[v].planes](size_t i) { return planes[i].inv_depth; });
+  }
   std::vector<OtherView> others;
   const Camera& camera = scene.views[view].camera;
-  for (size_t v = 0; v < scene.views.size(); ++v) {
-    if (v == view) continue;
+  for (const size_t v : nearest.For(camera, kMaxWitnesses, view)) {
     const Camera& other = scene.views[v].camera;
     others.push_back({Plain(MapBetween(camera, other)), Plain(MapBetween(other, camera)), &maps[v],
                       (camera.cam_from_world * other.Center()).cast<float>()});

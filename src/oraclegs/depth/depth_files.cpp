@@ -194,16 +194,21 @@ std::vector<std::string> WriteDepthMaps(const fs::path& dir, const std::vector<D
   nlohmann::json params = nlohmann::json::object();
   std::vector<float> scales;
   std::vector<std::string> files;
+  std::vector<size_t> of_file;  // whose map it is
   for (size_t v = 0; v < maps.size(); ++v) {
     const float largest = LargestStored(maps[v]);
-    scales.push_back(largest > 0 ? largest : 1);
+    scales.push_back(maps[v].size() == 0 ? 0 : largest > 0 ? largest : 1);
     params[stems[v]] = {{"scale", static_cast<double>(scales[v]) / unit}, {"offset", 0}};
     if (maps[v].monocular) params[stems[v]]["monocular"] = true;
-    for (const char* folder : kFolders) files.push_back((fs::path(folder) / (stems[v] + ".png")).string());
+    if (maps[v].size() == 0) continue;
+    for (const char* folder : kFolders) {
+      files.push_back((fs::path(folder) / (stems[v] + ".png")).string());
+      of_file.push_back(v);
+    }
   }
   // One task per file: compression takes longest.
   ParallelFor(static_cast<int64_t>(files.size()), [&](int64_t task) {
-    const auto file = static_cast<size_t>(task), v = file / kFolders.size();
+    const auto file = static_cast<size_t>(task), v = of_file[file];
     WriteImage(dir / files[file], maps[v], scales[v], file % kFolders.size());
   });
   files.emplace_back("depth_params.json");
@@ -222,8 +227,9 @@ std::vector<DepthMap> ReadDepthMaps(const fs::path& dir, const std::vector<std::
     const float scale = Number(params, stems[v], "scale", unit, params_path);
     const float offset = Number(params, stems[v], "offset", unit, params_path);
     DepthMap map{names[v], cameras[v], {}, {}, {}};
+    if (scale > 0) map = ReadDepthMap(dir, stems[v] + ".png", std::move(map), scale, offset);
     map.monocular = params[stems[v]].value("monocular", nlohmann::json()) == true;
-    maps[v] = ReadDepthMap(dir, stems[v] + ".png", std::move(map), scale, offset);
+    maps[v] = std::move(map);
   });
   return maps;
 }

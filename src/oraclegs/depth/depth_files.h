@@ -21,8 +21,9 @@ std::vector<std::string> DepthFileStems(const std::vector<std::string>& names);
 ///   dir/preview/NAME.png     depth in viridis (yellow near, purple far) beside confidence in plasma (yellow high,
 ///   purple low)
 /// and dir/depth_params.json as the code of [Kerbl 2023] reads it: {"NAME": {"scale", "offset"}}, inverse depth = value
-/// / 65535 * scale + offset. Maps with a network's depth also have "monocular": true there. `unit`: length of a unit of
-/// the maps in units of the files. Returns the paths written, relative to dir. Throws RunError.
+/// / 65535 * scale + offset. An empty map has a scale of 0 and no files. Maps with a network's depth also have
+/// "monocular": true there. `unit`: length of a unit of the maps in units of the files. Returns the paths written,
+/// relative to dir. Throws RunError.
 std::vector<std::string> WriteDepthMaps(const std::filesystem::path& dir, const std::vector<DepthMap>& maps,
                                         double unit = 1);
 

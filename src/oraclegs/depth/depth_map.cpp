@@ -14,7 +14,7 @@ double ConfidentShare(const DepthMap& map) {
 std::optional<size_t> FindPixel(const DepthMap& other, const PixelMap& there, const PixelMap& back,
                                 const Eigen::Vector3f& uvw, const SamePoint& same) {
   const Eigen::Vector3f q = there(uvw.x(), uvw.y(), uvw.z());
-  if (!(q.z() > 0)) return std::nullopt;
+  if (!(q.z() > 0) || other.size() == 0) return std::nullopt;
   const float u = q.x() / q.z(), v = q.y() / q.z();
   const auto width = static_cast<float>(other.camera.width), height = static_cast<float>(other.camera.height);
   if (!(u >= 0 && v >= 0 && u < width && v < height)) return std::nullopt;

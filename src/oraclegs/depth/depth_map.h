@@ -12,7 +12,8 @@
 
 namespace oraclegs {
 
-/// Depth, normals and confidence of one view's pixels, row by row, width * height of the camera.
+/// Depth, normals and confidence of one view's pixels, row by row, width * height of the camera; or of none of them, of
+/// a view whose depth was not looked for.
 struct DepthMap {
   std::string name;  ///< name of the view
   Camera camera;
@@ -38,7 +39,7 @@ struct SamePoint {
 };
 
 /// The pixel of another view that shows the point at (u, v, inverse depth) of this one; nullopt where the other view
-/// does not see it or disagrees. `there` maps from this view to the other, `back` from there to here.
+/// does not see it, disagrees or has no depth. `there` maps from this view to the other, `back` from there to here.
 std::optional<size_t> FindPixel(const DepthMap& other, const PixelMap& there, const PixelMap& back,
                                 const Eigen::Vector3f& uvw, const SamePoint& same);
 

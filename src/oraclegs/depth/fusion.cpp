@@ -6,10 +6,12 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
+#include "oraclegs/depth/nearest_sources.h"
 
 namespace oraclegs {
 namespace {
 
+constexpr size_t kMaxFused = 10;      // views that a point is joined from, beside the one that made it
 constexpr float kMuchFiner = 0.7f;    // a pixel that covers less than this share of a point makes a point of its own
 constexpr float kSameSide = 0.2f;     // cosine between normals
 constexpr float kDetailRange = 0.1f;  // change of luma over two pixels that counts as full detail
@@ -35,7 +37,7 @@ std::vector<float> DetailOf(const ImageF& rgb) {
 class Fusion {
  public:
   Fusion(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& views, const FusionOptions& options)
-      : maps_(maps), views_(views), options_(options) {
+      : maps_(maps), views_(views), options_(options), nearest_(maps) {
     for (const DepthMap& map : maps) {
       claimed_.emplace_back(map.size(), 0);
       world_from_cam_.push_back(map.camera.cam_from_world.inverse().cast<float>());
@@ -43,7 +45,7 @@ class Fusion {
     detail_.resize(views.size());
     ParallelFor(static_cast<int64_t>(views.size()), [&](int64_t task) {
       const auto v = static_cast<size_t>(task);
-      detail_[v] = DetailOf(views[v].rgb);
+      if (maps[v].size() > 0) detail_[v] = DetailOf(views[v].rgb);
     });
   }
 
@@ -54,6 +56,11 @@ class Fusion {
  private:
   struct Pixel {
     size_t view, index;
+  };
+  /// Another view, and the maps of pixels there and back.
+  struct Other {
+    size_t view;
+    PixelMap there, back;
   };
   /// Points and the pixels that they claim.
   struct Made {
@@ -76,7 +83,7 @@ class Fusion {
     return options_.gains.empty() ? rgb : rgb.cwiseQuotient(options_.gains[p.view]).cwiseMin(1.f).eval();
   }
 
-  void AddPoint(Pixel first, const std::vector<PixelMap>& there, const std::vector<PixelMap>& back, Made* made) const {
+  void AddPoint(Pixel first, const std::vector<Other>& others, Made* made) const {
     const DepthMap& map = maps_[first.view];
     const Eigen::Vector3f uvw = PixelOf(map, first.index);
     const SamePoint same{options_.max_depth_difference};
@@ -101,9 +108,9 @@ class Fusion {
       ++point.views;
     };
     add(first);
-    for (size_t other = 0; other < maps_.size(); ++other) {
-      if (other == first.view) continue;
-      if (const auto index = FindPixel(maps_[other], there[other], back[other], uvw, same)) add({other, *index});
+    for (const Other& other : others) {
+      if (const auto index = FindPixel(maps_[other.view], other.there, other.back, uvw, same))
+        add({other.view, *index});
     }
     point.xyz = xyz / total;
     point.normal = normal.normalized();
@@ -115,10 +122,11 @@ class Fusion {
   /// use is in both means, but makes no third point.
   void AddPointsOf(size_t view, std::vector<DensePoint>* points) {
     const DepthMap& map = maps_[view];
-    std::vector<PixelMap> there, back;
-    for (const DepthMap& other : maps_) {
-      there.push_back(MapBetween(map.camera, other.camera));
-      back.push_back(MapBetween(other.camera, map.camera));
+    if (map.size() == 0) return;
+    std::vector<Other> others;
+    for (const size_t v : nearest_.For(map.camera, kMaxFused, view)) {
+      const Camera& other = maps_[v].camera;
+      others.push_back({v, MapBetween(map.camera, other), MapBetween(other, map.camera)});
     }
     const auto width = static_cast<size_t>(map.camera.width);
     std::vector<Made> rows(static_cast<size_t>(map.camera.height));
@@ -126,7 +134,7 @@ class Fusion {
       for (size_t x = 0; x < width; ++x) {
         const size_t i = static_cast<size_t>(y) * width + x;
         if (map.confidence[i] < options_.min_confidence || claimed_[view][i] != 0) continue;
-        AddPoint({view, i}, there, back, &rows[static_cast<size_t>(y)]);
+        AddPoint({view, i}, others, &rows[static_cast<size_t>(y)]);
       }
     });
     for (const Made& row : rows) {
@@ -138,6 +146,7 @@ class Fusion {
   const std::vector<DepthMap>& maps_;
   const std::vector<LoadedView>& views_;
   const FusionOptions& options_;
+  NearestSources nearest_;
   std::vector<std::vector<uint8_t>> claimed_;
   std::vector<std::vector<float>> detail_;
   std::vector<Eigen::Isometry3f> world_from_cam_;

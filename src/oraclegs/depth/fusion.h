@@ -27,7 +27,7 @@ struct FusionOptions {
 };
 
 /// One point for each surface patch that pixels of at least `min_confidence` show: the weighted mean of the
-/// corresponding pixels of all views. `views` correspond to `maps`.
+/// corresponding pixels of the views around. `views` correspond to `maps`, of which some may be empty, here and below.
 std::vector<DensePoint> FuseDepth(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& views,
                                   const FusionOptions& options);
 

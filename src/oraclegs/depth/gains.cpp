@@ -6,11 +6,13 @@
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/statistics.h"
+#include "oraclegs/depth/nearest_sources.h"
 
 namespace oraclegs {
 namespace {
 
 constexpr size_t kStride = 5;                          // pixels; no divisor of usual widths
+constexpr size_t kMaxCompared = 10;                    // views that a view is compared with
 constexpr size_t kMinCommonPixels = 50;                // of a pair
 constexpr float kDarkest = 0.08f, kBrightest = 0.92f;  // beyond, noise and saturation dominate
 constexpr double kGainRidge = 1e-3;                    // regularization toward gain 1, in shares of a pair's weight
@@ -28,13 +30,27 @@ bool IsUsable(const float* rgb) {
   return true;
 }
 
-/// Color ratios of view a over view b.
+/// The pixel that shows the same point: where it is certain, or where nothing is known of the other view's depth. What
+/// hides the point there is no median's affair.
+std::optional<size_t> SamePixel(const DepthMap& other, const PixelMap& there, const PixelMap& back,
+                                const Eigen::Vector3f& uvw) {
+  if (other.size() > 0) return FindPixel(other, there, back, uvw, {});
+  const Eigen::Vector3f q = there(uvw.x(), uvw.y(), uvw.z());
+  const float u = q.x() / q.z(), v = q.y() / q.z();
+  const Camera& camera = other.camera;
+  const bool in_frame =
+      q.z() > 0 && u >= 0 && v >= 0 && u < static_cast<float>(camera.width) && v < static_cast<float>(camera.height);
+  if (!in_frame) return std::nullopt;
+  return static_cast<size_t>(v) * static_cast<size_t>(camera.width) + static_cast<size_t>(u);
+}
+
+/// Color ratios of view a, which has depth, over view b.
 Ratio Compare(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& views, size_t a, size_t b) {
   const PixelMap there = MapBetween(maps[a].camera, maps[b].camera), back = MapBetween(maps[b].camera, maps[a].camera);
   std::vector<double> logs[3];
   for (size_t i = 0; i < maps[a].size(); i += kStride) {
     if (maps[a].confidence[i] < kConfident) continue;
-    const auto j = FindPixel(maps[b], there, back, PixelOf(maps[a], i), {});
+    const auto j = SamePixel(maps[b], there, back, PixelOf(maps[a], i));
     if (!j) continue;
     const float* from = views[a].rgb.data.data() + 3 * i;
     const float* to = views[b].rgb.data.data() + 3 * *j;
@@ -52,22 +68,29 @@ Ratio Compare(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& 
 
 std::vector<Eigen::Vector3f> EstimateGains(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& views) {
   const size_t n = maps.size();
-  std::vector<Ratio> ratios(n * n);
-  ParallelFor(static_cast<int64_t>(n * n), [&](int64_t k) {
-    const size_t a = static_cast<size_t>(k) / n, b = static_cast<size_t>(k) % n;
-    if (a != b) ratios[static_cast<size_t>(k)] = Compare(maps, views, a, b);
+  const NearestSources nearest(maps);
+  struct Pair {
+    int64_t a, b;
+    Ratio ratio = {};
+  };
+  std::vector<Pair> pairs;
+  for (size_t b = 0; b < n; ++b) {
+    for (const size_t a : nearest.For(maps[b].camera, kMaxCompared, b)) {
+      pairs.push_back({static_cast<int64_t>(a), static_cast<int64_t>(b)});
+    }
+  }
+  ParallelFor(static_cast<int64_t>(pairs.size()), [&](int64_t k) {
+    Pair& pair = pairs[static_cast<size_t>(k)];
+    pair.ratio = Compare(maps, views, static_cast<size_t>(pair.a), static_cast<size_t>(pair.b));
   });
   const auto size = static_cast<int64_t>(n);
   Eigen::MatrixXd normal = kGainRidge * Eigen::MatrixXd::Identity(size, size);
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(size, 3);
-  for (int64_t a = 0; a < size; ++a) {
-    for (int64_t b = 0; b < size; ++b) {
-      const Ratio& ratio = ratios[static_cast<size_t>(a * size + b)];
-      if (ratio.pixels == 0) continue;
-      normal(a, a) += 1, normal(b, b) += 1, normal(a, b) -= 1, normal(b, a) -= 1;
-      right.row(a) += ratio.log.transpose();
-      right.row(b) -= ratio.log.transpose();
-    }
+  for (const auto& [a, b, ratio] : pairs) {
+    if (ratio.pixels == 0) continue;
+    normal(a, a) += 1, normal(b, b) += 1, normal(a, b) -= 1, normal(b, a) -= 1;
+    right.row(a) += ratio.log.transpose();
+    right.row(b) -= ratio.log.transpose();
   }
   if (n == 0) return {};
   Eigen::MatrixXd logs = normal.ldlt().solve(right);

@@ -178,8 +178,8 @@ class PlaneFill {
   bool IsConsistent(size_t v, const Eigen::Vector3f& xyz, const Eigen::Vector3f& color) const {
     bool seen = false, similar = false;
     for (size_t other = 0; other < maps_.size(); ++other) {
-      if (other == v) continue;
       const DepthMap& map = maps_[other];
+      if (other == v || map.size() == 0) continue;
       const Eigen::Vector3f there = map.camera.cam_from_world.cast<float>() * xyz;
       if (there.z() <= 0) continue;
       const float u = static_cast<float>(map.camera.fx) * there.x() / there.z() + static_cast<float>(map.camera.cx);
@@ -207,6 +207,7 @@ class PlaneFill {
 
   void AddPointsOf(size_t v, std::vector<DensePoint>* points) {
     const DepthMap& map = maps_[v];
+    if (map.size() == 0) return;
     const Camera& camera = map.camera;
     std::vector<Eigen::Vector4f> planes;
     for (const ScenePlane& plane : planes_) planes.push_back(InCamera(plane, camera));

@@ -30,6 +30,7 @@ std::optional<Reprojection> Shown(const OffsetPixel& pixel, const Camera& view, 
   auto seen = Reproject(view, source, {pixel.u, pixel.v, pixel.inv_depth});
   if (!seen || !(seen->at.x() >= 0 && seen->at.y() >= 0 && seen->at.x() < source.width && seen->at.y() < source.height))
     return std::nullopt;
+  if (map.size() == 0) return seen;
   const size_t index =
       static_cast<size_t>(seen->at.y()) * static_cast<size_t>(source.width) + static_cast<size_t>(seen->at.x());
   const double relative = seen->depth_ratio / pixel.inv_depth * map.inv_depth[index] - 1;
@@ -103,7 +104,7 @@ std::vector<OffsetPixel> OffsetMeter::Choose(size_t most) const {
   ParallelFor(static_cast<int64_t>(views_.size()), [&](int64_t task) {
     const auto v = static_cast<size_t>(task);
     const DepthMap& map = maps_[v];
-    if (sources_[v].empty()) return;
+    if (sources_[v].empty() || map.size() == 0) return;
     std::vector<OffsetPixel> candidates;
     for (int y = kSearchRadius; y < map.camera.height - kSearchRadius; y += kChoiceStep) {
       for (int x = kSearchRadius; x < map.camera.width - kSearchRadius; x += kChoiceStep) {

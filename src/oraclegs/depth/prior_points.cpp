@@ -47,7 +47,7 @@ class PriorFill {
   bool Project(size_t v, const Eigen::Vector3f& xyz, Place* place) const {
     const Camera& camera = maps_[v].camera;
     const Eigen::Vector3f p = cam_from_world_[v] * xyz;
-    if (!(p.z() > 0)) return false;
+    if (!(p.z() > 0) || maps_[v].size() == 0) return false;
     const float x = static_cast<float>(camera.fx) * p.x() / p.z() + static_cast<float>(camera.cx);
     const float y = static_cast<float>(camera.fy) * p.y() / p.z() + static_cast<float>(camera.cy);
     if (!(x >= 0 && y >= 0 && x < static_cast<float>(camera.width) && y < static_cast<float>(camera.height))) {

@@ -178,12 +178,34 @@ class Stereo {
   int64_t done_ = 0, total_ = 0;
 };
 
+/// The points with those of the views that are among `chosen`, by their places there.
+std::vector<ScenePoint> SeenBy(const std::vector<size_t>& chosen, std::vector<ScenePoint> points) {
+  for (ScenePoint& point : points) {
+    std::vector<int> views;
+    for (const int v : point.views) {
+      const auto place = std::lower_bound(chosen.begin(), chosen.end(), static_cast<size_t>(v));
+      if (place == chosen.end() || *place != static_cast<size_t>(v)) continue;
+      views.push_back(static_cast<int>(place - chosen.begin()));
+    }
+    point.views = std::move(views);
+  }
+  return points;
+}
+
 }  // namespace
 
 std::vector<DepthMap> EstimateDepth(const std::vector<LoadedView>& views, const std::vector<ScenePoint>& points,
                                     const StereoOptions& options, PlaneSearch* search, const Listener& listener) {
   if (views.empty()) return {};
-  return Stereo(views, points, options, search, listener).Run();
+  const std::vector<size_t> chosen = ViewsForStereo(CamerasOf(views));
+  if (chosen.size() == views.size()) return Stereo(views, points, options, search, listener).Run();
+  std::vector<LoadedView> of_stereo;
+  for (const size_t v : chosen) of_stereo.push_back(views[v]);
+  std::vector<DepthMap> found = Stereo(of_stereo, SeenBy(chosen, points), options, search, listener).Run();
+  std::vector<DepthMap> maps;
+  for (const LoadedView& view : views) maps.push_back({view.name, view.camera, {}, {}, {}});
+  for (size_t k = 0; k < chosen.size(); ++k) maps[chosen[k]] = std::move(found[k]);
+  return maps;
 }
 
 }  // namespace oraclegs

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "oraclegs/camera/scene_bounds.h"
@@ -31,12 +32,6 @@ double AngleScore(double angle) {
   if (angle < kMinAngle || angle >= kMaxSearchAngle) return 0;
   const double sigma = angle < kBestAngle ? kNarrowSigma : kWideSigma;
   return std::exp(-std::pow((angle - kBestAngle) / sigma, 2) / 2);
-}
-
-std::vector<Camera> CamerasOf(const std::vector<LoadedView>& views) {
-  std::vector<Camera> cameras;
-  for (const LoadedView& view : views) cameras.push_back(view.camera);
-  return cameras;
 }
 
 /// Random points in the volume that the cameras look at.
@@ -146,6 +141,29 @@ std::vector<std::vector<int>> FindNeighbors(const std::vector<LoadedView>& views
     neighbors.push_back(std::move(best));
   }
   return neighbors;
+}
+
+std::vector<size_t> ViewsForStereo(const std::vector<Camera>& cameras) {
+  const size_t n = cameras.size();
+  std::vector<size_t> chosen;
+  if (n <= kMaxStereoViews) {
+    for (size_t v = 0; v < n; ++v) chosen.push_back(v);
+    return chosen;
+  }
+  const Ball ball = LookedAt(cameras);
+  const auto apart = [&](const Camera& a, const Camera& b) {
+    return (a.Center() - b.Center()).norm() / ball.radius + TurnBetween(a, b);
+  };
+  // Always the one farthest from those chosen so far.
+  std::vector<double> distance(n, std::numeric_limits<double>::infinity());
+  for (size_t next = 0; chosen.size() < kMaxStereoViews;) {
+    chosen.push_back(next);
+    for (size_t v = 0; v < n; ++v) distance[v] = std::min(distance[v], apart(cameras[v], cameras[next]));
+    next = static_cast<size_t>(std::max_element(distance.begin(), distance.end()) - distance.begin());
+    if (!(distance[next] > 0)) break;  // the others are where these are
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
 }
 
 }  // namespace oraclegs

@@ -26,6 +26,13 @@ std::vector<DepthRange> FindDepthRanges(const std::vector<LoadedView>& views, co
 std::vector<std::vector<int>> FindNeighbors(const std::vector<LoadedView>& views, const std::vector<ScenePoint>& points,
                                             int most);
 
+/// Indices, ascending, of the views whose depth is looked for: all of few, else kMaxStereoViews that are spread over
+/// all places and directions.
+std::vector<size_t> ViewsForStereo(const std::vector<Camera>& cameras);
+
+/// Depth of more views says little new, and takes the time of everything else together.
+inline constexpr size_t kMaxStereoViews = 48;
+
 /// Angle in degrees between the rays from two camera centers to a point.
 double AngleAt(const Eigen::Vector3d& point, const Camera& a, const Camera& b);
 

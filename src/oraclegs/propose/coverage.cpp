@@ -5,12 +5,14 @@
 #include <numbers>
 
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/core/statistics.h"
 #include "oraclegs/propose/target_check.h"
 
 namespace oraclegs {
 namespace {
 
 constexpr float kNewAngle = 10 * std::numbers::pi_v<float> / 180;
+constexpr size_t kOpennessPoints = 4000;
 constexpr double kNothing = 1e-6;  // points: what the sums of gains round
 
 /// Weight of a point. cosine: of the angle between the camera's direction to it and the nearest one so far.
@@ -52,6 +54,23 @@ void Account(const View& other, View* view) {
 }
 
 }  // namespace
+
+double Openness(const std::vector<DensePoint>& points, const std::vector<Camera>& train) {
+  const std::vector<DensePoint> sample = EvenSample(points, kOpennessPoints);
+  std::vector<View> views(train.size());
+  ParallelFor(static_cast<int64_t>(train.size()),
+              [&](int64_t v) { views[static_cast<size_t>(v)] = ViewOf(sample, train[static_cast<size_t>(v)]); });
+  std::vector<double> newness(train.size(), 1);
+  ParallelFor(static_cast<int64_t>(train.size()), [&](int64_t task) {
+    const auto v = static_cast<size_t>(task);
+    View view = views[v];
+    for (size_t other = 0; other < views.size(); ++other) {
+      if (other != v) Account(views[other], &view);
+    }
+    if (!view.seen.empty()) newness[v] = view.gain / static_cast<double>(view.seen.size());
+  });
+  return newness.empty() ? 1 : UpperMedian(&newness);
+}
 
 std::vector<size_t> ChooseByCoverage(const std::vector<DensePoint>& points, const std::vector<Camera>& train,
                                      const std::vector<Camera>& candidates, int count) {

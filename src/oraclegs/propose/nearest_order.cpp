@@ -73,12 +73,6 @@ void UndoCrossings(const Distances& distance, std::vector<size_t>* order) {
 
 }  // namespace
 
-double TurnBetween(const Camera& a, const Camera& b) {
-  // Angle from the chord between the rotations: the trace would lose half of the digits of a small angle.
-  const double chord = (a.cam_from_world.linear() - b.cam_from_world.linear()).norm();
-  return 2 * std::asin(std::min(1., chord / (2 * std::sqrt(2.))));
-}
-
 std::vector<size_t> NearestOrder(const std::vector<Camera>& cameras) {
   const Distances distance(cameras);
   std::vector<size_t> best;

@@ -6,9 +6,6 @@
 
 namespace oraclegs {
 
-/// Angle between the rotations of two cameras, radians.
-double TurnBetween(const Camera& a, const Camera& b);
-
 /// An order of the cameras in which neighbors are near: a short open path through all of them, found by going on to the
 /// nearest camera and then undoing crossings. A rotation by one radian counts as a tenth of the cameras' mean distance
 /// from their center. Deterministic.

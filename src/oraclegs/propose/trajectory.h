@@ -38,8 +38,8 @@ struct TrajectoryOptions {
           "dataset when it has at least 4 poses, else coverage");
     visit(
         "proposals", self.proposals,
-        "Poses to propose images for; 0 = none, train on the photos alone; auto = 96 where proxy models alone propose, "
-        "else 32",
+        "Poses to propose images for; 0 = none, train on the photos alone; auto = none where the photos leave nothing "
+        "open, 96 where proxy models alone propose, else 32",
         Range{0, 10000});
   }
 };
@@ -64,5 +64,9 @@ std::vector<Target> ChooseTargets(const TrajectoryRequest& request, const Target
 /// 10 degrees), with the angle to the nearest such direction. Ends when nothing is gained any more.
 std::vector<size_t> ChooseByCoverage(const std::vector<DensePoint>& points, const std::vector<Camera>& train,
                                      const std::vector<Camera>& candidates, int count);
+
+/// How much photos leave open, [0, 1]: the median over them of how new what one shows is beside all others, which is
+/// the mean weight of its points as in ChooseByCoverage. 1 for a photo without points, and without photos.
+double Openness(const std::vector<DensePoint>& points, const std::vector<Camera>& train);
 
 }  // namespace oraclegs

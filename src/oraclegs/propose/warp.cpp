@@ -11,6 +11,8 @@
 namespace oraclegs {
 namespace {
 
+constexpr size_t kMaxWarped = 8;  // views that one is warped from
+
 void CheckSizes(const WarpSources& sources) {
   if (sources.maps.size() > sources.views.size()) {
     throw ShapeError("Warper: {} depth maps of {} views", sources.maps.size(), sources.views.size());
@@ -21,6 +23,7 @@ void CheckSizes(const WarpSources& sources) {
   for (size_t v = 0; v < sources.maps.size(); ++v) {
     const LoadedView& view = sources.views[v];
     const DepthMap& map = sources.maps[v];
+    if (map.size() == 0) continue;
     const size_t pixels = static_cast<size_t>(map.camera.width) * static_cast<size_t>(map.camera.height);
     if (view.rgb.width != map.camera.width || view.rgb.height != map.camera.height ||
         view.rgb.data.size() != 3 * pixels || map.inv_depth.size() != pixels || map.confidence.size() != pixels ||
@@ -53,14 +56,14 @@ WarpSource SourceOf(const WarpSources& all, size_t v, const Camera& camera) {
 
 }  // namespace
 
-Warper::Warper(WarpSources sources, Device device) : sources_(std::move(sources)) {
+Warper::Warper(WarpSources sources, Device device) : sources_(std::move(sources)), nearest_sources_(sources_.maps) {
   CheckSizes(sources_);
   device_ = MakeWarpDevice(device, sources_);
   FindRange();
 }
 
 Warper::Warper(WarpSources sources, std::unique_ptr<WarpDevice> device)
-    : sources_(std::move(sources)), device_(std::move(device)) {
+    : sources_(std::move(sources)), nearest_sources_(sources_.maps), device_(std::move(device)) {
   CheckSizes(sources_);
   FindRange();
 }
@@ -92,8 +95,10 @@ WarpTask Warper::TaskOf(const Camera& camera, std::optional<int> held_out) const
   std::copy(sources_.background.begin(), sources_.background.end(), scene.background);
   scene.bounded = sources_.silhouettes != nullptr && !sources_.silhouettes->empty() && nearest_ > 0;
   scene.nearest = nearest_, scene.farthest = farthest_;
-  for (size_t v = 0; v < sources_.maps.size(); ++v) {
-    if (held_out != static_cast<int>(v)) task.sources.push_back(SourceOf(sources_, v, camera));
+  std::optional<size_t> but;
+  if (held_out) but = static_cast<size_t>(*held_out);
+  for (const size_t v : nearest_sources_.For(camera, kMaxWarped, but)) {
+    task.sources.push_back(SourceOf(sources_, v, camera));
   }
   return task;
 }

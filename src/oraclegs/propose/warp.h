@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "oraclegs/core/buffer.h"
+#include "oraclegs/depth/nearest_sources.h"
 #include "oraclegs/propose/proposal.h"
 #include "oraclegs/propose/warp_device.h"
 
@@ -22,9 +23,9 @@ class Warper {
   Warper(WarpSources sources, std::unique_ptr<WarpDevice> device);
   ~Warper();
 
-  /// The view from `camera`, without the training view of index `held_out`. Depths of all views are splatted; each
-  /// pixel takes the nearest surface with enough votes, and holes are filled from the farther surroundings. Colors come
-  /// from the views that show that surface, those near the ray first. Without any depth in view the image has the
+  /// The view from `camera`, without the training view of index `held_out`. Depths of the nearest views are splatted;
+  /// each pixel takes the nearest surface with enough votes, and holes are filled from the farther surroundings. Colors
+  /// come from the views that show that surface, those near the ray first. Without any depth in view the image has the
   /// background's color, and a ring of width + height everywhere.
   WarpedView Warp(const Camera& camera, std::optional<int> held_out = std::nullopt) const;
 
@@ -41,6 +42,7 @@ class Warper {
   WarpTask TaskOf(const Camera& camera, std::optional<int> held_out) const;
 
   WarpSources sources_;
+  NearestSources nearest_sources_;
   std::unique_ptr<WarpDevice> device_;
   float nearest_ = 0, farthest_ = 0;  ///< range of the distances of known surfaces from the cameras
 };

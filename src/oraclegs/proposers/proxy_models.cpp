@@ -198,7 +198,7 @@ bool LoadProxy(Run* run) {
 
 std::optional<nlohmann::json> MakeProxy(Run* run, const std::string& key) {
   run->results->proxies.clear();
-  if (!CanPropose(ViewsOf(run), run->results->geometry)) return std::nullopt;
+  if (!CanPropose(ViewsOf(run), run->results->geometry) || TargetPlanOf(*run, true).count == 0) return std::nullopt;
   const int n = Count(*run), views = static_cast<int>(run->split.train.size());
   const ProxyTrainer trainer(run);
   std::vector<std::string> all;
@@ -222,7 +222,7 @@ std::optional<nlohmann::json> MakeProxy(Run* run, const std::string& key) {
 
 double SecondsOfProxies(const EstimateInput& input) {
   const ProposeOptions& propose = input.options.propose;
-  if (!ProposesViews(input.options) || !propose.Uses(kProxiesWord)) return 0;
+  if (!propose.Uses(kProxiesWord) || ProposalsOf(input) == 0) return 0;
   const bool is_object = input.covered < 1;
   const double iterations =
       (propose.proxy_share + SettleProxyFinish(propose, is_object)) * input.options.train.iterations.value();

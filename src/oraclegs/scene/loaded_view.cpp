@@ -281,4 +281,10 @@ std::vector<LoadedView> LoadViews(const Scene& scene, const std::vector<int>& vi
   return loaded;
 }
 
+std::vector<Camera> CamerasOf(const std::vector<LoadedView>& views) {
+  std::vector<Camera> cameras;
+  for (const LoadedView& view : views) cameras.push_back(view.camera);
+  return cameras;
+}
+
 }  // namespace oraclegs

@@ -102,4 +102,7 @@ Camera WorkingCamera(const SceneView& view, const ImageOptions& options);
 /// The cameras that LoadViews gives the scene's views with these indices.
 std::vector<Camera> WorkingCameras(const Scene& scene, const std::vector<int>& views, const ImageOptions& options);
 
+/// The cameras of these views.
+std::vector<Camera> CamerasOf(const std::vector<LoadedView>& views);
+
 }  // namespace oraclegs

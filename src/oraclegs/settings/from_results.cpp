@@ -68,9 +68,10 @@ SfmPoints SettleSfmPoints(const StartOptions& asked, bool all_train) {
   return asked.sfm_points.ValueOr(all_train ? SfmPoints::kModel : SfmPoints::kTriangulate);
 }
 
-TargetPlan SettleTargets(const TrajectoryOptions& asked, bool proxies_alone) {
-  return {asked.proposals.ValueOr(proxies_alone ? kProxyProposals : kUsualProposals),
-          asked.trajectory.ValueOr(Trajectory::kDataset), asked.trajectory.is_auto()};
+TargetPlan SettleTargets(const TrajectoryOptions& asked, bool proxies_alone, double openness) {
+  const int usual = proxies_alone ? kProxyProposals : kUsualProposals;
+  return {asked.proposals.ValueOr(openness < kMinOpenness ? 0 : usual), asked.trajectory.ValueOr(Trajectory::kDataset),
+          asked.trajectory.is_auto()};
 }
 
 double SettleProxyFinish(const ProposeOptions& asked, bool is_object) {

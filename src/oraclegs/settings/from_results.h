@@ -21,8 +21,12 @@ inline constexpr size_t kMinSparseStart = 100;
 /// --set sfm-points. all_train: every view of the scene trains, so that no held-out view helped to place its points.
 SfmPoints SettleSfmPoints(const StartOptions& asked, bool all_train);
 
-/// --trajectory and --proposals. proxies_alone: nothing but proxy models proposes.
-TargetPlan SettleTargets(const TrajectoryOptions& asked, bool proxies_alone);
+/// Photos that leave less open than this (Openness) teach all that proposals could.
+inline constexpr double kMinOpenness = 0.3;
+
+/// --trajectory and --proposals. proxies_alone: nothing but proxy models proposes. openness: Openness of the photos, 1
+/// where a generator that sees anything proposes, too.
+TargetPlan SettleTargets(const TrajectoryOptions& asked, bool proxies_alone, double openness);
 
 /// --set proxy-finish. Few views show each part of an object, so its proxy models learn longer.
 double SettleProxyFinish(const ProposeOptions& asked, bool is_object);

@@ -56,12 +56,8 @@ void AddDepthKey(Run* run, Fingerprint* key) {
 
 std::vector<DepthMap> ReadBack(const Run& run, const std::vector<LoadedView>& views) {
   std::vector<std::string> names;
-  std::vector<Camera> cameras;
-  for (const LoadedView& view : views) {
-    names.push_back(view.name);
-    cameras.push_back(view.camera);
-  }
-  return ReadDepthMaps(run.workspace.depth(), names, cameras, WrittenFromRun(run.frame).scale);
+  for (const LoadedView& view : views) names.push_back(view.name);
+  return ReadDepthMaps(run.workspace.depth(), names, CamerasOf(views), WrittenFromRun(run.frame).scale);
 }
 
 /// Reads the written maps and fuses them, as a later run will, so that a continued run has the same bits as one that

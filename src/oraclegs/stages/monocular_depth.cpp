@@ -51,7 +51,7 @@ MonocularMaps WithMonocularDepth(const NetworkDepth& network, const std::vector<
   std::vector<Alignment> alignments;
   for (size_t v = 0; v < views.size(); ++v) {
     alignments.push_back(Align(predicted[v], views[v].camera, known[v], rule));
-    if (!fused || alignments[v].scale > 0) continue;
+    if (!fused || stereo[v].size() == 0 || alignments[v].scale > 0) continue;
     alignments[v] = Align(predicted[v], views[v].camera, ConfidentDepths(stereo[v]), rule);
   }
   const std::vector<bool> reliable = AreReliable(alignments);
@@ -69,8 +69,9 @@ MonocularMaps WithMonocularDepth(const NetworkDepth& network, const std::vector<
     }
     const AllowedPixels allowed = PixelsWithDepth(views[v], silhouettes, v);
     const auto alone = network.is_whole ? WholeDepth : AlignedDepth;
-    MonocularDepth depth = fused ? FusedDepth(stereo[v], predicted[v], alignments[v], known[v], allowed)
-                                 : alone(frame, predicted[v], alignments[v], known[v], allowed);
+    MonocularDepth depth = fused && stereo[v].size() > 0
+                               ? FusedDepth(stereo[v], predicted[v], alignments[v], known[v], allowed)
+                               : alone(frame, predicted[v], alignments[v], known[v], allowed);
     out.right += depth.right / static_cast<double>(views.size());
     out.maps.push_back(std::move(depth.map));
   }

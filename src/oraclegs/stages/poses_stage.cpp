@@ -48,12 +48,6 @@ void UndoPoses(Run* run, const json&) {
   std::filesystem::remove(run->workspace.refined_poses(), ignored);
 }
 
-std::vector<Camera> CamerasOf(const std::vector<LoadedView>& views) {
-  std::vector<Camera> cameras;
-  for (const LoadedView& view : views) cameras.push_back(view.camera);
-  return cameras;
-}
-
 /// The training views at this share of their working size, with these poses; nothing where they would be too small.
 std::vector<LoadedView> SmallerViews(const Run& run, const std::vector<Camera>& cameras, int reduction) {
   ImageOptions smaller = run.plan.image;

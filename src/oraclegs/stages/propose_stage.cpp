@@ -7,7 +7,6 @@
 #include "oraclegs/image/codecs.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/propose/trajectory.h"
-#include "oraclegs/settings/from_results.h"
 #include "oraclegs/stages/proposer_row.h"
 #include "oraclegs/stages/stage_seconds.h"
 #include "oraclegs/workspace/non_commercial.h"
@@ -95,6 +94,14 @@ void TakeOwnSize(const Run& run, std::vector<Target>* targets) {
 }
 
 std::vector<Target> OwnTargets(const Run& run, const Geometry& geometry) {
+  const TargetPlan plan = TargetPlanOf(run, ProxiesAlonePropose(run));
+  if (plan.count == 0) {
+    run.listener(Note{fmt::format(
+        "{} photos stand so close together that they leave little open: they train alone (--proposals N proposes all "
+        "the same)",
+        run.split.train.size())});
+    return {};
+  }
   TrajectoryRequest request;
   request.train = WorkingCameras(run.scene, run.split.train, run.plan.image);
   request.test = WorkingCameras(run.scene, run.split.test, run.plan.image);
@@ -103,8 +110,7 @@ std::vector<Target> OwnTargets(const Run& run, const Geometry& geometry) {
   request.points = &geometry.points;
   request.seed = run.options.start.seed;
   request.sees_anything = AsksGenerator(run);
-  std::vector<Target> targets =
-      ChooseTargets(request, SettleTargets(run.options.trajectory, ProxiesAlonePropose(run)), run.listener);
+  std::vector<Target> targets = ChooseTargets(request, plan, run.listener);
   if (run.options.propose.proposal_size == ProposalSize::kOwn) TakeOwnSize(run, &targets);
   return targets;
 }
@@ -166,8 +172,7 @@ std::optional<nlohmann::json> MakePropose(Run* run, const std::string& key) {
   LoadPropose(run);
   const StageResults& known = *run->results;
   const fs::path proposals = run->workspace.proposals();
-  if (known.targets.empty() && run->options.propose.proposal_folder.empty() && !AsksGenerator(*run) &&
-      !CanPropose(ViewsOf(run), known.geometry)) {
+  if (known.targets.empty() && run->options.propose.proposal_folder.empty() && !AsksGenerator(*run)) {
     return std::nullopt;
   }
   nlohmann::json record = {{"targets", known.targets.size()}, {"folder", known.folder.proposals.size()}};

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "oraclegs/settings/from_results.h"
+
 namespace oraclegs {
 namespace {
 
@@ -45,6 +47,12 @@ std::vector<AskedProposer> Members(Run* run, const Warper& warper) {
 
 bool CanPropose(const TrainingViews& training, const Geometry& geometry) {
   return geometry.points.size() >= kMinPointsToPropose && training.views.size() >= kMinViewsToPropose;
+}
+
+TargetPlan TargetPlanOf(const Run& run, bool proxies_alone) {
+  const std::vector<Camera> train = WorkingCameras(run.scene, run.split.train, run.plan.image);
+  const double openness = AsksGenerator(run) ? 1 : Openness(run.results->geometry.points, train);
+  return SettleTargets(run.options.trajectory, proxies_alone, openness);
 }
 
 bool ProxiesAlonePropose(const Run& run) {

@@ -36,6 +36,9 @@ inline constexpr size_t kMinPointsToPropose = 1000, kMinViewsToPropose = 3;
 /// True where stereo found enough to propose from.
 bool CanPropose(const TrainingViews& training, const Geometry& geometry);
 
+/// How many views the run's own proposers make, and where. proxies_alone: as ProxiesAlonePropose.
+TargetPlan TargetPlanOf(const Run& run, bool proxies_alone);
+
 /// True where proxy models alone propose, once stage "proxies" has run. False where there were too few views or points
 /// for them, and views are warped instead.
 bool ProxiesAlonePropose(const Run& run);

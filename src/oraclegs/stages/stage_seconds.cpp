@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "oraclegs/depth/stereo_setup.h"
 #include "oraclegs/settings/from_results.h"
 #include "oraclegs/settings/plan.h"
 #include "oraclegs/sfm/choose_pairs.h"
@@ -16,6 +17,7 @@ constexpr double kExtract = 0.2, kExtractOfPixel = 0.47e-6;  // a photo
 constexpr double kMatch = 0.04, kMatchOfSide = 0.22e-3;      // a pair; features grow with the pixels' square root
 constexpr double kIterationOfPixel = 59e-9, kIterationOfGaussian = 107e-9, kIteration = 0.5e-3;
 constexpr double kScoreOfPixel = 0.75e-6, kLoadOfPixel = 26e-9;  // of an image as it came
+constexpr int kPhotosThatLeaveLittle = 80;                       // open, usually; only depth can say
 constexpr double kRenderOfPixel = 0.1e-6, kRenderOfGaussian = 30e-9;
 
 }  // namespace
@@ -34,7 +36,8 @@ double FullPixels(const EstimateInput& input) {
 int ProposalsOf(const EstimateInput& input) {
   const RunOptions& options = input.options;
   if (!ProposesViews(options)) return 0;
-  const TargetPlan targets = SettleTargets(options.trajectory, options.propose.ByProxiesAlone());
+  const double openness = input.scene.views > kPhotosThatLeaveLittle ? 0 : 1;
+  const TargetPlan targets = SettleTargets(options.trajectory, options.propose.ByProxiesAlone(), openness);
   const bool has_spare = static_cast<size_t>(input.other_views) >= kMinSpareForDataset;
   const bool at_views = targets.trajectory == Trajectory::kDataset && (has_spare || !targets.or_coverage);
   return at_views ? std::min(targets.count, input.other_views) : targets.count;
@@ -55,7 +58,7 @@ double SecondsOfFeatures(const EstimateInput& input, int photos) {
 
 double SecondsOfStereo(const EstimateInput& input) {
   constexpr double kStereoOfPixel = 17e-6;
-  return kStereoOfPixel * CoveredPixels(input) * input.scene.views;
+  return kStereoOfPixel * CoveredPixels(input) * std::min<double>(input.scene.views, kMaxStereoViews);
 }
 
 double SecondsOfScores(const EstimateInput& input, double views) {

@@ -95,7 +95,7 @@ std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geome
   std::vector<TrainView> views;
   for (size_t v = 0; v < training.views.size(); ++v) {
     views.push_back(ToTrainView(training.views[v]));
-    if (!geometry.maps.empty()) {
+    if (!geometry.maps.empty() && geometry.maps[v].size() > 0) {
       AddDepth(geometry.maps[v], &views.back());
       if (depth_loss == DepthLoss::kPaper) {
         TakeWhole(geometry.maps[v], PixelsWithDepth(training.views[v], silhouettes, v), &views.back());

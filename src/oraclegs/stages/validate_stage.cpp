@@ -324,8 +324,11 @@ StageWork ValidateStage() {
           .seconds =
               [](const EstimateInput& input) {
                 constexpr double kValidateOfPixel = 1.35e-6, kTeachOracleOfPixel = 5e-6, kValidate = 0.5;
-                return kValidate + (kValidateOfPixel * ProposalsOf(input) + kTeachOracleOfPixel * input.scene.views) *
-                                       CoveredPixels(input);
+                if (ProposalsOf(input) == 0) return 0.;
+                const auto learned = LearnedViews(static_cast<size_t>(input.scene.views)).size();
+                return kValidate +
+                       (kValidateOfPixel * ProposalsOf(input) + kTeachOracleOfPixel * static_cast<double>(learned)) *
+                           CoveredPixels(input);
               },
           .uses_network = [](const Run& run) { return run.plan.has_proposals && run.plan.oracle.weights.has_value(); }};
 }

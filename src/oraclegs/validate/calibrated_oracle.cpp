@@ -19,11 +19,15 @@ double GiB(double bytes) { return bytes / (1024.0 * 1024 * 1024); }
 HeldOutCandidates AskHeldOut(const std::vector<LoadedView>& views, const Proposers& proposers) {
   std::vector<Target> targets;
   std::vector<std::optional<int>> held_out;
-  for (size_t v = 0; v < views.size(); ++v) {
+  const std::vector<size_t> learned = LearnedViews(views.size());
+  for (const size_t v : learned) {
     targets.push_back({views[v].name, views[v].camera});
     held_out.emplace_back(static_cast<int>(v));
   }
-  return {views, proposers.Ask(targets, held_out)};
+  std::vector<std::vector<Proposal>> asked = proposers.Ask(targets, held_out);
+  HeldOutCandidates candidates{views, std::vector<std::vector<Proposal>>(views.size())};
+  for (size_t k = 0; k < learned.size(); ++k) candidates.candidates[learned[k]] = std::move(asked[k]);
+  return candidates;
 }
 
 bool IsNothing(const ConfidenceMap& map) {
@@ -97,7 +101,7 @@ CalibratedOracle::CalibratedOracle(const OracleSetup& setup, const std::vector<L
     size_t max_candidates = 0;
     for (const auto& of_one : held_out.candidates) max_candidates = std::max(max_candidates, of_one.size());
     const size_t of_each = max_candidates > 1 ? max_candidates + 1 : max_candidates;  // and what is mixed from them
-    progress_->total = (views.size() + setup.targets) * of_each;
+    progress_->total = (LearnedViews(views.size()).size() + setup.targets) * of_each;
     if (setup.unknown_errors) progress_->total += TamperTrainedOracle::TrainingSamples(views.size());
   }
   Calibrate(held_out);
@@ -119,8 +123,7 @@ void CalibratedOracle::LoadSecond(const OracleSetup& setup, const std::vector<Lo
   const ValidateOptions& asked = setup.options;
   std::unique_ptr<AttentionNetwork> network = GetNetworks().OpenAttention(
       setup.vggt, {asked.oracle_mode, AttentionLayersOf(asked), setup.precision}, setup.device);
-  std::vector<Camera> cameras;
-  for (const LoadedView& view : views) cameras.push_back(view.camera);
+  const std::vector<Camera> cameras = CamerasOf(views);
   VggtOracleOptions options;
   options.pass = asked.oracle_pass, options.seed = setup.seed;
   const bool all = options.pass == OraclePass::kAll;
@@ -150,6 +153,9 @@ void CalibratedOracle::Calibrate(const HeldOutCandidates& held_out) {
       calibrated_sources_.insert(p.source);
     }
   }
+  const bool mixes =
+      std::any_of(candidates.begin(), candidates.end(), [](const auto& of_one) { return of_one.size() > 1; });
+  if (!mixes) return calibrated_->Calibrate(queries);
   const std::vector<ConfidenceMap> confidence = calibrated_->CalibrateAndPredict(queries);
   std::vector<Query> mixed;
   auto next = confidence.begin();

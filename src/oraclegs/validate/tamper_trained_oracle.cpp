@@ -11,21 +11,13 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kMaxViews = 32;
+constexpr size_t kMaxLearnedViews = 24;
 constexpr size_t kViewsTogether = 4;                      // whose samples are held at once
 constexpr size_t kMaxPixels = 60000;                      // over all samples
 constexpr size_t kSamplesOfView = 4;                      // of a view
 constexpr double kMinTampered = 0.1, kMaxTampered = 0.6;  // share of a sample's pixels
 constexpr double kWrongScale = 1.3;
 constexpr const char* kTampered = "tampered";
-
-/// Indices of at most kMaxViews views, evenly picked.
-std::vector<size_t> LearnedViews(size_t views) {
-  const size_t count = std::min(views, kMaxViews);
-  std::vector<size_t> picked;
-  for (size_t i = 0; i < count; ++i) picked.push_back(i * views / count);
-  return picked;
-}
 
 /// The image in the mean exposure, which proposals have.
 ImageF WithoutGain(const LoadedView& view, const Eigen::Vector3f& gain) {
@@ -86,6 +78,13 @@ std::vector<Query> SamplesOf(const HeldOutView& known, uint64_t seed) {
 }
 
 }  // namespace
+
+std::vector<size_t> LearnedViews(size_t views) {
+  const size_t count = std::min(views, kMaxLearnedViews);
+  std::vector<size_t> picked;
+  for (size_t i = 0; i < count; ++i) picked.push_back(i * views / count);
+  return picked;
+}
 
 size_t TamperTrainedOracle::TrainingSamples(size_t views) { return LearnedViews(views).size() * kSamplesOfView; }
 

@@ -13,10 +13,15 @@
 
 namespace oraclegs {
 
+/// Indices of the views that an oracle learns from, of so many: evenly picked, at most 24, beyond which it learns no
+/// more and works longer.
+std::vector<size_t> LearnedViews(size_t views);
+
 /// Training views and the candidates at their poses.
 struct HeldOutCandidates {
   const std::vector<LoadedView>& views;
-  std::vector<std::vector<Proposal>> candidates;  ///< for each view, made without it
+  std::vector<std::vector<Proposal>>
+      candidates;  ///< for each view, made without it; none for those not in LearnedViews
 };
 
 class TamperTrainedOracle {
