@@ -32,7 +32,7 @@ class ValidateCommand : public WorkspaceCommand {
     oraclegs::Run run = StartRun(request, listener);
     RunStage(&run, "validate");
     for (const TrainView& view : run.results->proposals) {
-      Print(fmt::format("{:<24} mean confidence {:.3f}", view.name, MeanConfidence(view.pixel_weight)));
+      Print(fmt::format("{:<24} mean confidence {:.3f}", view.name, MeanConfidence(view)));
     }
     Print(fmt::format("images     {}", (run.workspace.confidence() / "preview").string()));
   }

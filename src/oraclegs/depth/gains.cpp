@@ -30,8 +30,8 @@ bool IsUsable(const float* rgb) {
   return true;
 }
 
-/// The pixel that shows the same point: where it is certain, or where nothing is known of the other view's depth. What
-/// hides the point there is no median's affair.
+/// The pixel that shows the same point: where it is certain, or where nothing is known of the other view's depth. The
+/// few pixels where something else hides the point do not move a median.
 std::optional<size_t> SamePixel(const DepthMap& other, const PixelMap& there, const PixelMap& back,
                                 const Eigen::Vector3f& uvw) {
   if (other.size() > 0) return FindPixel(other, there, back, uvw, {});

@@ -36,10 +36,13 @@ class Contributions {
   const float* Of(const SupportView& view) {
     const int64_t height = view.camera.height, width = view.camera.width;
     if (view.weight.defined()) RequireShape("Support", "weight", view.weight, {height, width});
+    if (view.weight_bytes.defined()) RequireShape("Support", "weight", view.weight_bytes, {height, width});
     const Buffer<float> weight = view.weight.defined() ? view.weight.To(kCpu) : Buffer<float>();
     Buffer<float> upstream = Buffer<float>::Zeros({height, width, 3});
     for (int64_t p = 0; p < height * width; ++p) {
-      upstream[3 * p] = weight.defined() ? weight[p] : 1;
+      upstream[3 * p] = view.weight_bytes.defined() ? static_cast<float>(view.weight_bytes[p]) / 255
+                        : weight.defined()          ? weight[p]
+                                                    : 1;
       upstream[3 * p + 1] = 1;
     }
     rasterizer_->Forward(gray_, view.camera, options_, RenderPass::kTrain);

@@ -15,6 +15,7 @@ struct SupportView {
   Camera camera;
   Buffer<float> weight;      ///< [H,W] in [0,1]: the mask of an image, the confidence of a proposal; undefined = 1
   bool is_proposal = false;  ///< false: an image
+  Buffer<uint8_t> weight_bytes = {};  ///< in place of weight: byte / 255
 };
 
 /// The support of each Gaussian, [N] in [0, 1]. A view sees a Gaussian when at least a tenth of its projected area is

@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr size_t kTargetsTogether = 8;    // targets that are proposed together
 constexpr uint64_t kKeptMemoryShare = 4;  // candidates are kept in one part in so many of the free memory
+constexpr uint64_t kMostKept = uint64_t{1} << 30;  // bytes; those of many large views are made again
 
 /// The files of --proposal-folder, and of the confidence beside synthetic_N.
 std::vector<fs::path> FolderFiles(fs::path folder) {
@@ -138,7 +139,7 @@ bool LoadPropose(Run* run) {
 /// relative to the workspace.
 std::vector<std::string> WriteCandidates(Run* run) {
   StageResults& known = *run->results;
-  known.candidates = CandidateStore(AvailableMemory() / kKeptMemoryShare);
+  known.candidates = CandidateStore(std::min(AvailableMemory() / kKeptMemoryShare, kMostKept));
   const Proposers& proposers = ProposersOf(run);
   const size_t count = known.targets.size();
   std::vector<std::string> files;

@@ -58,6 +58,22 @@ ExposureMap Diagonal(const Eigen::Vector3f& gain) {
   return map;
 }
 
+/// The view with what is known of its depth; `view` is its image alone.
+TrainView WithDepth(TrainView view, const TrainingViews& training, const Geometry& geometry, DepthLoss depth_loss,
+                    size_t v) {
+  const Silhouettes& silhouettes = training.silhouettes;
+  if (!geometry.maps.empty() && geometry.maps[v].size() > 0) {
+    AddDepth(geometry.maps[v], &view);
+    if (depth_loss == DepthLoss::kPaper) {
+      TakeWhole(geometry.maps[v], PixelsWithDepth(training.views[v], silhouettes, v), &view);
+    } else if (!silhouettes.empty()) {
+      AddEmptiness(silhouettes, v, &view);
+    }
+  }
+  if (!geometry.gains.empty()) view.exposure = Diagonal(geometry.gains[v]);
+  return view;
+}
+
 /// A warper with what it refers to.
 struct OwnWarper {
   OwnWarper(std::vector<LoadedView> loaded, std::vector<DepthMap> of_views)
@@ -84,26 +100,29 @@ std::optional<double> MeanSquaredConfidence(const std::vector<TrainView>& propos
   if (proposals.empty()) return std::nullopt;
   double squares = 0, pixels = 0;
   for (const TrainView& view : proposals) {
-    for (const float u : view.pixel_weight.span()) squares += static_cast<double>(u) * static_cast<double>(u);
-    pixels += static_cast<double>(view.pixel_weight.count());
+    const Buffer<float> confidence = view.Weights();
+    for (const float u : confidence.span()) squares += static_cast<double>(u) * static_cast<double>(u);
+    pixels += static_cast<double>(confidence.count());
   }
   return squares / pixels;
 }
 
 std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geometry& geometry, DepthLoss depth_loss) {
-  const Silhouettes& silhouettes = training.silhouettes;
   std::vector<TrainView> views;
+  const std::shared_ptr<const void> owner(&training, [](const void*) {});  // the caller keeps it
   for (size_t v = 0; v < training.views.size(); ++v) {
-    views.push_back(ToTrainView(training.views[v]));
-    if (!geometry.maps.empty() && geometry.maps[v].size() > 0) {
-      AddDepth(geometry.maps[v], &views.back());
-      if (depth_loss == DepthLoss::kPaper) {
-        TakeWhole(geometry.maps[v], PixelsWithDepth(training.views[v], silhouettes, v), &views.back());
-      } else if (!silhouettes.empty()) {
-        AddEmptiness(silhouettes, v, &views.back());
-      }
-    }
-    if (!geometry.gains.empty()) views.back().exposure = Diagonal(geometry.gains[v]);
+    views.push_back(WithDepth(ToTrainView(training.views[v], owner), training, geometry, depth_loss, v));
+  }
+  return views;
+}
+
+std::vector<TrainView> TakeTrainViews(TrainingViews* training, Geometry* geometry, DepthLoss depth_loss) {
+  std::vector<TrainView> views;
+  for (size_t v = 0; v < training->views.size(); ++v) {
+    const auto own = std::make_shared<LoadedView>(std::exchange(training->views[v], {}));
+    training->views[v].mask = own->mask;  // with the silhouettes all that WithDepth asks for
+    views.push_back(WithDepth(ToTrainView(*own, own), *training, *geometry, depth_loss, v));
+    if (!geometry->maps.empty()) geometry->maps[v] = {};
   }
   return views;
 }

@@ -26,7 +26,11 @@ std::optional<double> MeanSquaredConfidence(const std::vector<TrainView>& propos
 
 /// The views as the trainer takes them: with depth where it is confident or a network's, with emptiness (inverse depth
 /// 0) beside an object's silhouette unless `depth_loss` is the paper's, and starting from the exposures stereo found.
+/// Their images are those of `training`, which must outlive them.
 std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geometry& geometry, DepthLoss depth_loss);
+
+/// The same, which take the images and free the depth, so that neither lies in memory twice.
+std::vector<TrainView> TakeTrainViews(TrainingViews* training, Geometry* geometry, DepthLoss depth_loss);
 
 /// {"NAME": [12 numbers, the 3x4 color map row by row]} of trained exposures.
 nlohmann::json ExposuresToJson(const std::vector<std::string>& names, const std::vector<ExposureMap>& exposures);

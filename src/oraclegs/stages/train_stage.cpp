@@ -191,8 +191,8 @@ struct ReadyTrainer {
 /// The images and the proposals, with what each of their pixels counts.
 std::vector<SupportView> SupportViewsOf(const std::vector<TrainView>& images, const std::vector<TrainView>& proposals) {
   std::vector<SupportView> views;
-  for (const TrainView& view : images) views.push_back({view.camera, view.pixel_weight, false});
-  for (const TrainView& view : proposals) views.push_back({view.camera, view.pixel_weight, true});
+  for (const TrainView& view : images) views.push_back({view.camera, view.pixel_weight, false, view.weight_bytes});
+  for (const TrainView& view : proposals) views.push_back({view.camera, view.pixel_weight, true, view.weight_bytes});
   return views;
 }
 
@@ -207,7 +207,8 @@ ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) 
   const TrainOptions settled = SettledOptions(*run, training);
   TrainingLpips network = LpipsOfProposals(settled, run->plan, known.proposals, run->listener);
   ready.lpips = network.convention;
-  std::vector<TrainView> images = MakeTrainViews(training, known.geometry, run->options.train.depth_loss);
+  PseudoDepth pseudo_depth = PseudoDepthOf(*run, training);
+  std::vector<TrainView> images = TakeTrainViews(known.views.get(), &known.geometry, run->options.train.depth_loss);
   ready.views = SupportViewsOf(images, known.proposals);
   ready.chosen = ChosenOptions(run->options.train, settled);
   BaselineSetup setup{{settled,
@@ -219,7 +220,7 @@ ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) 
   setup.make_device = [device = run->plan.device](const TrainDeviceSetup& of_device) {
     return MakeTrainDevice(device, of_device);
   };
-  setup.pseudo_depth = PseudoDepthOf(*run, training);
+  setup.pseudo_depth = std::move(pseudo_depth);
   AddBaseline(&setup);
   const TrainDeviceMaker make_device = setup.make_device;
   ready.trainer = std::make_unique<Trainer>(std::move(setup), make_device);

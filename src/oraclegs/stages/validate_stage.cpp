@@ -79,16 +79,17 @@ double Mean(std::span<const float> values) {
 }
 
 /// [H,W,3], or [H,W] of the first channel.
-Buffer<float> ReadMap(const fs::path& path, const Camera& camera, int channels) {
+Buffer<uint8_t> ReadMap(const fs::path& path, const Camera& camera, int channels) {
   const Image8 image = ReadImage(path);
   if (image.width != camera.width || image.height != camera.height || image.channels != 3) {
     throw InputError("{}: is {} x {} with {} channels, not {} x {}; delete it and run again", path.string(),
                      image.width, image.height, image.channels, camera.width, camera.height);
   }
-  const ImageF values = ToFloat(image);
-  if (channels == 3) return Buffer<float>::From({camera.height, camera.width, 3}, std::span<const float>(values.data));
-  auto map = Buffer<float>::Empty({camera.height, camera.width});
-  for (int64_t i = 0; i < map.count(); ++i) map[i] = values.data[static_cast<size_t>(3 * i)];
+  if (channels == 3) {
+    return Buffer<uint8_t>::From({camera.height, camera.width, 3}, std::span<const uint8_t>(image.data));
+  }
+  auto map = Buffer<uint8_t>::Empty({camera.height, camera.width});
+  for (int64_t i = 0; i < map.count(); ++i) map[i] = image.data[static_cast<size_t>(3 * i)];
   return map;
 }
 
@@ -233,13 +234,15 @@ std::vector<TrainView> ReadTrusted(const Run& run, std::vector<std::string>* rej
     const fs::path image = run.workspace.proposals() / (target.name + ".png");
     std::error_code ignored;
     if (!fs::exists(image, ignored)) return;  // no proposer answered
-    read[static_cast<size_t>(task)] = {target.name, target.camera, ReadMap(image, target.camera, 3),
-                                       ReadMap(run.workspace.confidence() / (target.name + ".png"), target.camera, 1)};
+    TrainView view{target.name, target.camera, {}, {}};
+    view.image_bytes = ReadMap(image, target.camera, 3);
+    view.weight_bytes = ReadMap(run.workspace.confidence() / (target.name + ".png"), target.camera, 1);
+    read[static_cast<size_t>(task)] = std::move(view);
   });
   std::vector<TrainView> trusted;
   for (std::optional<TrainView>& view : read) {
     if (!view) continue;
-    if (run.options.validate.calibrate && Mean(view->pixel_weight.span()) < kMinMeanConfidence) {
+    if (run.options.validate.calibrate && MeanConfidence(*view) < kMinMeanConfidence) {
       rejected->push_back(view->name);
     } else {
       trusted.push_back(std::move(*view));
@@ -278,7 +281,7 @@ void ReportConfidence(Run* run) {
   }
   if (proposals.empty()) return;
   double sum = 0;
-  for (const TrainView& view : proposals) sum += Mean(view.pixel_weight.span());
+  for (const TrainView& view : proposals) sum += MeanConfidence(view);
   run->listener(Note{fmt::format("{}, mean confidence {:.2f} ({})", Counted(proposals.size(), "proposal"),
                                  sum / static_cast<double>(proposals.size()), previews)});
 }

@@ -17,10 +17,11 @@ std::vector<TrainView> CleanPhotos(std::vector<TrainView> views) {
   return views;
 }
 
-/// The proposals with the confidence that weighs their pixels, and clean depth.
-std::vector<TrainView> CleanProposals(std::vector<TrainView> views, const TrainOptions& options) {
+/// The proposals with the confidence that weighs their pixels, and clean depth. LPIPS knows an image by its buffer.
+std::vector<TrainView> CleanProposals(std::vector<TrainView> views, const TrainOptions& options, bool has_lpips) {
   CheckProposals(views);
   for (TrainView& view : views) {
+    if (has_lpips) view.image = view.Image(), view.image_bytes = {};
     view = WithCleanDepth(WithConfidencePower(std::move(view), options.confidence_power));
   }
   return views;
@@ -28,7 +29,7 @@ std::vector<TrainView> CleanProposals(std::vector<TrainView> views, const TrainO
 
 std::vector<double> MeanConfidences(const std::vector<TrainView>& views) {
   std::vector<double> means;
-  for (const TrainView& view : views) means.push_back(MeanConfidence(view.pixel_weight));
+  for (const TrainView& view : views) means.push_back(MeanConfidence(view));
   return means;
 }
 
@@ -46,14 +47,14 @@ void CheckShares(const TrainOptions& options) {
   }
 }
 
-ViewPlane PlaneIf(const Buffer<float>& plane, ViewPlane name) { return plane.defined() ? name : ViewPlane::kNone; }
+ViewPlane WeightsOf(const TrainView& view) { return view.HasWeights() ? ViewPlane::kPixelWeight : ViewPlane::kNone; }
 
 }  // namespace
 
 LossPlan::LossPlan(const TrainOptions& options, TrainingData data)
     : options_(options),
       photos_(CleanPhotos(std::move(data.photos))),
-      proposals_(CleanProposals(std::move(data.proposals), options)),
+      proposals_(CleanProposals(std::move(data.proposals), options, static_cast<bool>(data.lpips))),
       mean_confidence_(MeanConfidences(proposals_)),
       lpips_(std::move(data.lpips)),
       depth_scale_(options.depth_weight *
@@ -73,7 +74,7 @@ std::vector<ExposureMap> LossPlan::StartExposures() const {
 }
 
 LossTerm LossPlan::PhotometricTerm(ViewKind kind, const TrainView& view) const {
-  LossTerm term{TermKind::kPhotometric, 1, ViewPlane::kImage, PlaneIf(view.pixel_weight, ViewPlane::kPixelWeight)};
+  LossTerm term{TermKind::kPhotometric, 1, ViewPlane::kImage, WeightsOf(view)};
   if (kind == ViewKind::kPhoto) {
     term.photometric = {static_cast<float>(1 - options_.ssim_weight), static_cast<float>(options_.ssim_weight)};
     term.mask_meaning = MaskMeaning::kMask;
@@ -106,8 +107,7 @@ LossTerms LossPlan::Terms(const SampledView& sampled, int64_t iteration) const {
     terms.Add({TermKind::kInvDepth, depth_weight, ViewPlane::kInvDepth, ViewPlane::kDepthMask});
   }
   if (options_.alpha_weight != 0 && view.alpha.defined()) {
-    terms.Add({TermKind::kAlpha, options_.alpha_weight, ViewPlane::kAlpha,
-               PlaneIf(view.pixel_weight, ViewPlane::kPixelWeight)});
+    terms.Add({TermKind::kAlpha, options_.alpha_weight, ViewPlane::kAlpha, WeightsOf(view)});
   }
   return terms;
 }

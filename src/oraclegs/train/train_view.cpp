@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "oraclegs/core/parallel.h"
 #include "oraclegs/core/statistics.h"
 
 namespace oraclegs {
 namespace {
 
 bool DepthCounts(const TrainView& view, int64_t pixel) {
-  return view.depth_mask.data()[pixel] > 0 && (!view.pixel_weight.defined() || view.pixel_weight.data()[pixel] > 0);
+  if (!(view.depth_mask.data()[pixel] > 0)) return false;
+  if (view.weight_bytes.defined()) return view.weight_bytes.data()[pixel] > 0;
+  return !view.pixel_weight.defined() || view.pixel_weight.data()[pixel] > 0;
 }
 
 void CheckDepth(const TrainView& view) {
@@ -35,11 +38,22 @@ void CheckShares(const TrainView& view, const char* what, const Buffer<float>& s
   }
 }
 
+void RequirePlane(const std::string& view, const char* what, const Buffer<float>& floats,
+                  const Buffer<uint8_t>& bytes, std::initializer_list<int64_t> shape) {
+  if (floats.defined() && bytes.defined()) throw ShapeError("Trainer: {} of {} stand twice", what, view);
+  const std::string name = fmt::format("{} of {}", what, view);
+  if (bytes.defined()) {
+    RequireShape("Trainer", name.c_str(), bytes, shape);
+  } else {
+    RequireShape("Trainer", name.c_str(), floats, shape);
+  }
+}
+
 void CheckView(const TrainView& view) {
   const int64_t height = view.camera.height, width = view.camera.width;
-  RequireShape("Trainer", ("image of " + view.name).c_str(), view.image, {height, width, 3});
-  if (view.pixel_weight.defined()) {
-    RequireShape("Trainer", ("pixel weights of " + view.name).c_str(), view.pixel_weight, {height, width});
+  RequirePlane(view.name, "image", view.image, view.image_bytes, {height, width, 3});
+  if (view.HasWeights()) {
+    RequirePlane(view.name, "pixel weights", view.pixel_weight, view.weight_bytes, {height, width});
   }
   CheckDepth(view);
   if (!view.alpha.defined()) return;
@@ -62,14 +76,41 @@ Buffer<float> Plane(const std::vector<T>& values, const char* what, const Loaded
 
 }  // namespace
 
-TrainView ToTrainView(const LoadedView& photo) {
+Buffer<float> TrainView::Image() const {
+  if (!image_bytes.defined()) return image;
+  const Buffer<float> floats = Buffer<float>::Empty(image_bytes.shape());
+  UnpackBytes(image_bytes, floats);
+  return floats;
+}
+
+Buffer<float> TrainView::Weights() const {
+  if (!weight_bytes.defined()) return pixel_weight;
+  const Buffer<float> floats = Buffer<float>::Empty(weight_bytes.shape());
+  UnpackBytes(weight_bytes, floats);
+  return floats;
+}
+
+void UnpackBytes(const Buffer<uint8_t>& bytes, const Buffer<float>& to) {
+  constexpr int64_t kGrain = 1 << 16;
+  const uint8_t* from = bytes.data();
+  float* values = to.data();
+  ParallelBlocks(bytes.count(), kGrain, [=](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) values[i] = static_cast<float>(from[i]) / 255;
+  });
+}
+
+TrainView ToTrainView(const LoadedView& photo, std::shared_ptr<const void> owner) {
   TrainView view{photo.name, photo.camera, {}, {}};
   const int64_t height = photo.rgb.height, width = photo.rgb.width;
   if (photo.rgb.channels != 3 || photo.rgb.data.size() != static_cast<size_t>(height * width * 3)) {
     throw ShapeError("ToTrainView: {} has {} channels, expected 3", photo.name, photo.rgb.channels);
   }
-  view.image = Buffer<float>::Empty({height, width, 3});
-  std::copy(photo.rgb.data.begin(), photo.rgb.data.end(), view.image.data());
+  if (owner) {
+    auto* pixels = const_cast<float*>(photo.rgb.data.data());  // no trainer writes to it
+    view.image = Buffer<float>::Wrap(pixels, {height, width, 3}, kCpu, std::move(owner));
+  } else {
+    view.image = Buffer<float>::From({height, width, 3}, std::span<const float>(photo.rgb.data));
+  }
   if (!photo.weights.empty()) {
     view.pixel_weight = Plane(photo.weights, "weights", photo);
   } else if (!photo.mask.empty()) {
@@ -92,8 +133,9 @@ void CheckProposals(const std::vector<TrainView>& proposals) {
 }
 
 TrainView WithConfidencePower(TrainView proposal, double power) {
-  if (!proposal.pixel_weight.defined()) return proposal;  // 1 stays 1
-  proposal.pixel_weight = proposal.pixel_weight.Clone();
+  if (!proposal.HasWeights() || power == 1) return proposal;  // 1 stays 1
+  proposal.pixel_weight = proposal.Weights().Clone();
+  proposal.weight_bytes = {};
   float* u = proposal.pixel_weight.data();
   for (int64_t i = 0; i < proposal.pixel_weight.count(); ++i) {
     u[i] = u[i] > 0 ? static_cast<float>(std::pow(static_cast<double>(u[i]), power)) : 0.f;
@@ -101,8 +143,9 @@ TrainView WithConfidencePower(TrainView proposal, double power) {
   return proposal;
 }
 
-double MeanConfidence(const Buffer<float>& confidence) {
-  if (!confidence.defined()) return 1;
+double MeanConfidence(const TrainView& view) {
+  if (!view.HasWeights()) return 1;
+  const Buffer<float> confidence = view.Weights();
   double sum = 0;
   for (const float u : confidence.span()) sum += static_cast<double>(u);
   return sum / static_cast<double>(confidence.count());

@@ -1,6 +1,7 @@
 #pragma once
 // A photo or a proposal as the trainer uses it.
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -23,13 +24,24 @@ struct TrainView {
   Buffer<float> depth_mask = {};  ///< [H,W] in [0,1], weight of inv_depth, 0 = unknown; defined where inv_depth is
   Buffer<float> alpha = {};       ///< [H,W] in [0,1], fraction of the pixel that the scene covers; undefined = unknown
   ExposureMap exposure = kIdentityExposure;  ///< start of the photo's exposure map, when that is trained
+  /// In place of image and pixel_weight, of which they need a quarter of the memory: byte / 255.
+  Buffer<uint8_t> image_bytes = {}, weight_bytes = {};
+
+  bool HasWeights() const { return pixel_weight.defined() || weight_bytes.defined(); }
+  /// The image and the weights as floats, the latter undefined where they are 1 everywhere; new ones where they are
+  /// held as bytes.
+  Buffer<float> Image() const;
+  Buffer<float> Weights() const;
 };
 
-/// Converts a photo, without depth; with alpha where the photo has any. Throws ShapeError when the photo's buffers do
-/// not fit its size.
-TrainView ToTrainView(const LoadedView& photo);
+/// Writes byte / 255 of each byte; of the same shape.
+void UnpackBytes(const Buffer<uint8_t>& bytes, const Buffer<float>& to);
 
-/// Throws UsageError when there is no view; ShapeError when a tensor does not fit its camera, when only one of
+/// Converts a photo, without depth; with alpha where the photo has any. With an `owner`, which keeps the photo, its
+/// image is shown, else copied. Throws ShapeError when the photo's buffers do not fit its size.
+TrainView ToTrainView(const LoadedView& photo, std::shared_ptr<const void> owner = nullptr);
+
+/// Throws UsageError when there is no view; ShapeError when a tensor does not fit its camera or stands twice, when only one of
 /// inv_depth and depth_mask is defined, when an inverse depth of positive mask is not finite, or when an alpha is not
 /// in [0, 1].
 void CheckViews(const std::vector<TrainView>& views);
@@ -37,8 +49,8 @@ void CheckViews(const std::vector<TrainView>& views);
 /// Throws as CheckViews for proposals, but allows none; also throws ShapeError where a confidence is not in [0, 1].
 void CheckProposals(const std::vector<TrainView>& proposals);
 
-/// Mean over the pixels; 1 for an undefined buffer, which stands for 1 everywhere.
-double MeanConfidence(const Buffer<float>& confidence);
+/// Mean over the pixels; 1 for a view without weights.
+double MeanConfidence(const TrainView& view);
 
 /// Cameras of the views, in their order.
 std::vector<Camera> Cameras(const std::vector<TrainView>& views);

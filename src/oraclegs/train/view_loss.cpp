@@ -3,28 +3,6 @@
 #include "oraclegs/loss/depth_losses.h"
 
 namespace oraclegs {
-namespace {
-
-const Buffer<float>& PlaneOf(const TrainView& view, ViewPlane plane) {
-  static const Buffer<float> none;
-  switch (plane) {
-    case ViewPlane::kImage:
-      return view.image;
-    case ViewPlane::kPixelWeight:
-      return view.pixel_weight;
-    case ViewPlane::kInvDepth:
-      return view.inv_depth;
-    case ViewPlane::kDepthMask:
-      return view.depth_mask;
-    case ViewPlane::kAlpha:
-      return view.alpha;
-    case ViewPlane::kNone:
-      break;
-  }
-  return none;
-}
-
-}  // namespace
 
 /// A render and the view it is compared with.
 struct ViewLoss::Rendered {
@@ -36,6 +14,28 @@ struct ViewLoss::Rendered {
 
 ViewLoss::ViewLoss(const LossPlan& plan) : plan_(plan) {
   if (const auto start = plan.StartExposures(); !start.empty()) exposures_.emplace(start);
+}
+
+Buffer<float> ViewLoss::PlaneOf(const TrainView& view, ViewPlane plane) {
+  switch (plane) {
+    case ViewPlane::kImage:
+      if (!view.image_bytes.defined()) return view.image;
+      UnpackBytes(view.image_bytes, image_.Get(view.image_bytes.shape()));
+      return image_.Get(view.image_bytes.shape());
+    case ViewPlane::kPixelWeight:
+      if (!view.weight_bytes.defined()) return view.pixel_weight;
+      UnpackBytes(view.weight_bytes, weights_.Get(view.weight_bytes.shape()));
+      return weights_.Get(view.weight_bytes.shape());
+    case ViewPlane::kInvDepth:
+      return view.inv_depth;
+    case ViewPlane::kDepthMask:
+      return view.depth_mask;
+    case ViewPlane::kAlpha:
+      return view.alpha;
+    case ViewPlane::kNone:
+      break;
+  }
+  return {};
 }
 
 ViewLossResult ViewLoss::operator()(const SampledView& sampled, int64_t iteration, const RenderOutput& out) {
@@ -58,7 +58,7 @@ ViewLossResult ViewLoss::operator()(const SampledView& sampled, int64_t iteratio
 double ViewLoss::Evaluate(const LossTerm& term, const Rendered& rendered, ViewLossResult* result) {
   RenderGrads* grads = &result->grads;
   const TrainView& view = rendered.view;
-  const Buffer<float>&target = PlaneOf(view, term.target), &mask = PlaneOf(view, term.mask);
+  const Buffer<float> target = PlaneOf(view, term.target), mask = PlaneOf(view, term.mask);
   switch (term.kind) {
     case TermKind::kPhotometric:
       result->photometric =

@@ -36,6 +36,8 @@ class ViewLoss {
  private:
   struct Rendered;
 
+  /// Valid until the plane of another view is asked for.
+  Buffer<float> PlaneOf(const TrainView& view, ViewPlane plane);
   double Evaluate(const LossTerm& term, const Rendered& rendered, ViewLossResult* result);
 
   const LossPlan& plan_;
@@ -43,6 +45,7 @@ class ViewLoss {
   std::optional<Exposures> exposures_;
   ExposureGradient exposure_gradient_{};
   ImageBuffer grad_image_, grad_inv_depth_, grad_alpha_, exposed_image_;
+  ImageBuffer image_, weights_;  ///< of a view that holds them as bytes
 };
 
 }  // namespace oraclegs

@@ -14,8 +14,15 @@ constexpr ViewKind kKinds[] = {ViewKind::kPhoto, ViewKind::kProposal};
 
 PackedView Pack(const TrainView& view) {
   // Depth and alpha are compared to the last bit; bytes would seldom hold them exactly.
-  return {Packed(view.image),      Packed(view.pixel_weight), {view.inv_depth, {}},
-          Packed(view.depth_mask), {view.alpha, {}},          {}};
+  const auto packed = [](const Buffer<float>& floats, const Buffer<uint8_t>& bytes) {
+    return bytes.defined() ? PackedImage{{}, bytes} : Packed(floats);
+  };
+  return {packed(view.image, view.image_bytes),
+          packed(view.pixel_weight, view.weight_bytes),
+          {view.inv_depth, {}},
+          Packed(view.depth_mask),
+          {view.alpha, {}},
+          {}};
 }
 
 DeviceImage ImageOf(const PackedImage& image) {
