@@ -5,6 +5,8 @@
 
 #include <set>
 
+#include "oraclegs/sfm/choose_pairs.h"
+
 namespace oraclegs {
 namespace {
 
@@ -27,7 +29,7 @@ ModelQuality SoundOf(int images) {
 }
 
 TEST(RegistrationSchedule, BeginsStrict) {
-  const auto& schedule = RegistrationSchedule();
+  const auto& schedule = RegistrationSchedule(12);
   ASSERT_EQ(schedule.size(), 6u);
   EXPECT_THAT(schedule[0].extraction, IsEmpty()) << "colmap's own features";
   EXPECT_THAT(schedule[0].matching, IsEmpty());
@@ -47,7 +49,7 @@ TEST(RegistrationSchedule, BeginsStrict) {
 TEST(RegistrationSchedule, HasUniqueNames) {
   std::set<std::string> sets;
   int max_images = 1 << 30;
-  for (const FeatureSet& set : RegistrationSchedule()) {
+  for (const FeatureSet& set : RegistrationSchedule(12)) {
     EXPECT_TRUE(sets.insert(set.name).second);
     EXPECT_LE(set.max_images, max_images) << "what costs more is for fewer images";
     max_images = set.max_images;
@@ -59,7 +61,19 @@ TEST(RegistrationSchedule, HasUniqueNames) {
       EXPECT_EQ(attempt.options.count("Mapper.max_focal_length_ratio"), 1u);
     }
   }
-  EXPECT_EQ(RegistrationSchedule().back().extraction.count("SiftExtraction.domain_size_pooling"), 1u) << "slow: last";
+  EXPECT_EQ(RegistrationSchedule(12).back().extraction.count("SiftExtraction.domain_size_pooling"), 1u) << "slow: last";
+}
+
+TEST(RegistrationSchedule, FindsFewFeaturesInManyPhotos) {
+  const auto& schedule = RegistrationSchedule(kMaxImagesToMatchAll + 1);
+  ASSERT_EQ(schedule.size(), 2u);
+  EXPECT_EQ(schedule[0].extraction.count("SiftExtraction.max_num_features"), 1u);
+  EXPECT_THAT(schedule[1].extraction, IsEmpty()) << "where these do not suffice";
+  for (const FeatureSet& set : schedule) {
+    EXPECT_EQ(set.attempts[0].options.at("Mapper.min_model_size"), "2");
+    EXPECT_TRUE(IsWorthTrying(set, SoundOf(100), 300, {9, false, 9}));
+    EXPECT_FALSE(IsWorthTrying(set, SoundOf(280), 300, {9, false, 9}));
+  }
 }
 
 TEST(IsEnough, RequiresAllOfFewAndHalfOfMany) {
@@ -68,13 +82,15 @@ TEST(IsEnough, RequiresAllOfFewAndHalfOfMany) {
   EXPECT_FALSE(IsEnough(SoundOf(23), 24));
   EXPECT_TRUE(IsEnough(SoundOf(20), 40));
   EXPECT_FALSE(IsEnough(SoundOf(19), 40));
+  EXPECT_TRUE(IsEnough(SoundOf(90), 100));
+  EXPECT_FALSE(IsEnough(SoundOf(89), 100));
   ModelQuality unsound = SoundOf(3);
   unsound.plausible_intrinsics = false;
   EXPECT_FALSE(IsEnough(unsound, 3));
 }
 
 TEST(IsWorthTrying, SavesExpensiveSetsForFewImages) {
-  const auto& schedule = RegistrationSchedule();
+  const auto& schedule = RegistrationSchedule(12);
   const MatchEvidence linked{3, false, 3};
   for (size_t i = 1; i < schedule.size(); ++i) {
     EXPECT_FALSE(IsWorthTrying(schedule[i], SoundOf(3), 3, linked)) << "all are registered";
@@ -88,7 +104,7 @@ TEST(IsWorthTrying, SavesExpensiveSetsForFewImages) {
 }
 
 TEST(IsWorthTrying, AsksTheMatches) {
-  const auto& schedule = RegistrationSchedule();
+  const auto& schedule = RegistrationSchedule(12);
   EXPECT_TRUE(IsWorthTrying(schedule[1], SoundOf(2), 3, {0, false})) << "learned features may link what is missing";
   EXPECT_TRUE(IsWorthTrying(schedule[2], SoundOf(2), 3, {0, false})) << "coarse features may, too";
   EXPECT_FALSE(IsWorthTrying(schedule[3], SoundOf(2), 3, {0, false})) << "nothing does";
@@ -96,7 +112,7 @@ TEST(IsWorthTrying, AsksTheMatches) {
 }
 
 TEST(IsWorthTrying, StopsWherePhotosAreLinkedInPairsAlone) {
-  const FeatureSet& costly = RegistrationSchedule()[3];
+  const FeatureSet& costly = RegistrationSchedule(12)[3];
   const ImageLinks pairs{{"0", "1"}, {"2", "3"}, {"4", "5"}};
   for (const ModelQuality& best : {ModelQuality(), SoundOf(2)}) {
     const MatchEvidence evidence = EvidenceOf(pairs, best, false);

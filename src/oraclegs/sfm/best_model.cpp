@@ -1,4 +1,5 @@
 #include "oraclegs/sfm/best_model.h"
+#include "oraclegs/sfm/choose_pairs.h"
 
 #include <fmt/format.h>
 
@@ -38,8 +39,10 @@ void BestModel::Resume() {
   try {
     const fs::path model = folder_ / journal_.model;
     best_ = {model, folder_ / journal_.database, MeasureModel(model), {}, journal_.left_out};
-    for (const FeatureSet& set : RegistrationSchedule()) {
-      if (set.name == journal_.features) best_.set = set;
+    for (const int images : {1, kMaxImagesToMatchAll + 1}) {
+      for (const FeatureSet& set : RegistrationSchedule(images)) {
+        if (set.name == journal_.features) best_.set = set;
+      }
     }
   } catch (const InputError&) {
     journal_ = {};  // all is made again

@@ -37,7 +37,7 @@ class AttemptRunner {
   AttemptResult Run() {
     MakeFolder(folder_);
     best_.Resume();
-    const std::vector<FeatureSet>& schedule = RegistrationSchedule();
+    const std::vector<FeatureSet>& schedule = RegistrationSchedule(images());
     first_database_ = Colmap(0).database();
     for (size_t i = 0; i < schedule.size(); ++i) {
       if (schedule[i].is_learned && !request_.find_features) continue;
@@ -74,7 +74,7 @@ class AttemptRunner {
   }
 
   ColmapRunner Colmap(size_t set) const {
-    const std::vector<FeatureSet>& schedule = RegistrationSchedule();
+    const std::vector<FeatureSet>& schedule = RegistrationSchedule(images());
     const auto fits = [&](const FeatureSet& s) {
       return images() <= s.max_images && (request_.find_features || !s.is_learned);
     };

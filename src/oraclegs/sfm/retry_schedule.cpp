@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "oraclegs/sfm/choose_pairs.h"
+
 namespace oraclegs {
 namespace {
 
@@ -51,6 +53,24 @@ std::vector<MapperAttempt> RelaxedAttempts() {
       {"relaxed", Relaxed(), 0}, {"two views", TwoView(), 0}, {"two views, wide angle", TwoView(), kWideAngleFocal}};
 }
 
+/// Adjusts a growing model seldom and briefly: many images hold each other.
+ColmapOptions Quick() {
+  return Joined(Common(), {{"Mapper.tri_ignore_two_view_tracks", "1"},
+                           {"Mapper.ba_global_images_ratio", "1.4"},
+                           {"Mapper.ba_global_points_ratio", "1.4"},
+                           {"Mapper.ba_global_max_num_iterations", "25"},
+                           {"Mapper.ba_global_max_refinements", "2"}});
+}
+
+std::vector<FeatureSet> MakeScheduleOfMany() {
+  const FeatureSet coarse{"coarse features of many photos",
+                          {{"SiftExtraction.first_octave", "0"}, {"SiftExtraction.max_num_features", "3000"}},
+                          {},
+                          {{"quick", Quick(), 0}},
+                          1 << 30};
+  return {coarse, {"usual features", {}, {}, {{"strict", Common(), 0}, {"relaxed", Relaxed(), 0}}, 1 << 30}};
+}
+
 std::vector<FeatureSet> MakeSchedule() {
   FeatureSet usual{"usual features", {}, {}, RelaxedAttempts(), 1 << 30};
   usual.attempts.insert(usual.attempts.begin(), {"strict", Common(), 0});
@@ -91,9 +111,9 @@ std::vector<FeatureSet> MakeSchedule() {
 
 }  // namespace
 
-const std::vector<FeatureSet>& RegistrationSchedule() {
-  static const std::vector<FeatureSet> schedule = MakeSchedule();
-  return schedule;
+const std::vector<FeatureSet>& RegistrationSchedule(int images) {
+  static const std::vector<FeatureSet> of_few = MakeSchedule(), of_many = MakeScheduleOfMany();
+  return images > kMaxImagesToMatchAll ? of_many : of_few;
 }
 
 const ColmapOptions& RemainingImagesOptions() {
@@ -111,6 +131,7 @@ const ColmapOptions& RematchOptions() {
 
 bool IsEnough(const ModelQuality& best, int images) {
   if (!IsSound(best)) return false;
+  if (images > kMaxImagesToMatchAll) return 10 * best.registered() >= 9 * images;
   return best.registered() >= images || (images > kMaxImagesForRetries && 2 * best.registered() >= images);
 }
 

@@ -51,8 +51,10 @@ inline constexpr int kMaxPairsToRematch = 150;      ///< matched again with know
 /// Cheap before expensive, strict before relaxed: colmap's own thresholds; relaxed ones; an initial pair of small angle
 /// or forward motion, also with a wide-angle lens; a network's features, where there is one; affine features of small
 /// images, which say whether anything links the images at all; more and weaker features; affine ones; and, slowest,
-/// pooled ones. The thresholds are from trials on 3 to 12 images of a scene; the first set is the only one for many.
-const std::vector<FeatureSet>& RegistrationSchedule();
+/// pooled ones. The thresholds are from trials on 3 to 12 images of a scene; the first set is the only one for more
+/// than kMaxImagesForRetries. Of more than kMaxImagesToMatchAll, few and coarse features are tried before it, which are
+/// plenty where each place is in many images.
+const std::vector<FeatureSet>& RegistrationSchedule(int images);
 
 /// Thresholds for registering the remaining images into an existing model.
 const ColmapOptions& RemainingImagesOptions();
@@ -60,8 +62,8 @@ const ColmapOptions& RemainingImagesOptions();
 /// camera.
 const ColmapOptions& RematchOptions();
 
-/// True when no further mapper run is called for: a sound model has all images or, of more than
-/// kMaxImagesForRetries, half of them.
+/// True when no further mapper run is called for: a sound model has all images; of more than kMaxImagesForRetries, half
+/// of them; of more than kMaxImagesToMatchAll, nine tenths.
 bool IsEnough(const ModelQuality& best, int images);
 
 /// True when links join more than two images, one of them missing; of three images, two.

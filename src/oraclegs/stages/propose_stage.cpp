@@ -16,8 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kTargetsTogether = 8;    // targets that are proposed together
-constexpr uint64_t kKeptMemoryShare = 4;  // candidates are kept in one part in so many of the free memory
+constexpr size_t kTargetsTogether = 8;             // targets that are proposed together
+constexpr uint64_t kKeptMemoryShare = 4;           // candidates are kept in one part in so many of the free memory
 constexpr uint64_t kMostKept = uint64_t{1} << 30;  // bytes; those of many large views are made again
 
 /// The files of --proposal-folder, and of the confidence beside synthetic_N.

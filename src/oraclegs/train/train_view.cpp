@@ -38,8 +38,8 @@ void CheckShares(const TrainView& view, const char* what, const Buffer<float>& s
   }
 }
 
-void RequirePlane(const std::string& view, const char* what, const Buffer<float>& floats,
-                  const Buffer<uint8_t>& bytes, std::initializer_list<int64_t> shape) {
+void RequirePlane(const std::string& view, const char* what, const Buffer<float>& floats, const Buffer<uint8_t>& bytes,
+                  std::initializer_list<int64_t> shape) {
   if (floats.defined() && bytes.defined()) throw ShapeError("Trainer: {} of {} stand twice", what, view);
   const std::string name = fmt::format("{} of {}", what, view);
   if (bytes.defined()) {
