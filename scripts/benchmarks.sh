@@ -2,10 +2,10 @@
 # Measures the CPU figures of docs/benchmarks.md and docs/baselines.md and prints them as Markdown. All of them take a night
 # on two cores, which must do nothing else. Build the preset release first. scripts/gpu_check.sh measures a GPU.
 #   scripts/benchmarks.sh DATA OUT [SECTION ...]
-# DATA     holds fox, lego and sceaux; docs/benchmarks.md says where they come from
+# DATA     holds fox, lego and sceaux, and room and bonsai for growth; docs/benchmarks.md says where they come from
 # OUT      receives the runs; a run that is finished there is kept
-# SECTION  quality, predicted, methods, parts, confidence, tampering, depth, speed, demo, support, files or memory; all
-#          unless given. predicted, support, files and memory read the runs of quality
+# SECTION  quality, predicted, methods, parts, confidence, tampering, depth, speed, growth, demo, support, files or
+#          memory; all unless given. predicted, support, files and memory read the runs of quality
 set -euo pipefail
 if (($# < 2)); then
   sed -n 's/^# \{0,1\}//p' "$0" | sed -n 4,8p >&2
@@ -128,6 +128,8 @@ depth() {
 
 speed() { "$here/bench/stages.py" "$data" "$out/speed" --min-time 0.4; }
 
+growth() { "$here/bench/growth.py" "$data" "$out/growth" --plot "$out/growth.svg"; }
+
 demo() {
   "$bin/oraclegs" demo -o "$out/demo" --quiet >&2
   "$bin/oraclegs" mesh "$out/demo/run" --quiet -o "$out/demo/mesh.ply" >&2
@@ -151,7 +153,7 @@ files() {
 
 memory() { figures memory "$out"/quality/{fox,lego,sceaux}-*-0; }
 
-sections=(quality predicted methods parts confidence tampering depth speed demo support files memory)
+sections=(quality predicted methods parts confidence tampering depth speed growth demo support files memory)
 for section in "${@:-${sections[@]}}"; do
   [[ " ${sections[*]} " == *" $section "* ]] || { echo "scripts/benchmarks.sh: no section $section" >&2; exit 2; }
 done
