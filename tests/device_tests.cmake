@@ -38,7 +38,7 @@ file(GLOB gpu_bench_tests CONFIGURE_DEPENDS bench/cuda/*_test.cpp)
 set_source_files_properties(${gpu_bench_code} ${gpu_bench_tests} PROPERTIES INCLUDE_DIRECTORIES ${CMAKE_SOURCE_DIR})
 add_executable(cuda_tests ${cuda_tests} ${cuda_host_code} ${gpu_bench_code}
                           $<TARGET_OBJECTS:oraclegs_cuda_device_tests>)
-target_link_libraries(cuda_tests PRIVATE oraclegs::train oraclegs::propose oraclegs_test_support)
+target_link_libraries(cuda_tests PRIVATE oraclegs::train oraclegs::propose oraclegs::settings oraclegs_test_support)
 if(ORACLEGS_APPS)
   target_link_libraries(cuda_tests PRIVATE oraclegs::networks oraclegs::baselines)
 endif()

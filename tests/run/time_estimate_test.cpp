@@ -12,7 +12,7 @@ class EstimateTest : public testing::Test {
   EstimateInput Input(const RunOptions& options) const { return {options, scene, 14, 2, 0, 1, false}; }
 
   SceneSize scene{12, {4000, 3000}};
-  RunOptions options = WithSize({}, scene, false);
+  RunOptions options = WithSize({}, scene, {false});
 };
 
 TEST_F(EstimateTest, KnowsEveryStage) {

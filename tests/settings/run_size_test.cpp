@@ -16,22 +16,22 @@ RunOptions On(Quality quality) {
 }
 
 TEST(WithSize, ReducesPhonePhotosOnACpu) {
-  const RunOptions settled = WithSize({}, kPhones, false);
+  const RunOptions settled = WithSize({}, kPhones, {false});
   EXPECT_EQ(WorkingSize({4000, 3000}, settled.image.Settled()), (PixelSize{1000, 750}));
   EXPECT_EQ(settled.train.max_gaussians, 100000);
   EXPECT_EQ(settled.propose.proposers, std::string("proxies"));
 }
 
 TEST(WithSize, TakesMoreOfEverythingOnAGpu) {
-  const RunOptions cpu = WithSize({}, kPhones, false), gpu = WithSize({}, kPhones, true);
+  const RunOptions cpu = WithSize({}, kPhones, {false}), gpu = WithSize({}, kPhones, {true});
   EXPECT_EQ(gpu.image.max_size, 1600);
   EXPECT_GT(gpu.train.iterations.value(), cpu.train.iterations.value());
   EXPECT_GT(gpu.train.max_gaussians.value(), cpu.train.max_gaussians.value());
 }
 
 TEST(WithSize, GrowsWithQuality) {
-  const RunOptions draft = WithSize(On(Quality::kDraft), kPhones, false), normal = WithSize({}, kPhones, false),
-                   high = WithSize(On(Quality::kHigh), kPhones, false);
+  const RunOptions draft = WithSize(On(Quality::kDraft), kPhones, {false}), normal = WithSize({}, kPhones, {false}),
+                   high = WithSize(On(Quality::kHigh), kPhones, {false});
   EXPECT_LT(draft.image.max_size.value(), normal.image.max_size.value());
   EXPECT_LT(normal.image.max_size.value(), high.image.max_size.value());
   EXPECT_LT(draft.train.iterations.value(), normal.train.iterations.value());
@@ -42,20 +42,20 @@ TEST(WithSize, GrowsWithQuality) {
 }
 
 TEST(WithSize, TrainsSmallImagesForLonger) {
-  EXPECT_GT(WithSize({}, {12, {480, 270}}, false).train.iterations.value(),
-            WithSize({}, kPhones, false).train.iterations.value());
+  EXPECT_GT(WithSize({}, {12, {480, 270}}, {false}).train.iterations.value(),
+            WithSize({}, kPhones, {false}).train.iterations.value());
 }
 
 TEST(WithSize, TrainsFewPhotosForLess) {
-  EXPECT_LT(WithSize({}, {3, {4000, 3000}}, false).train.iterations.value(),
-            WithSize({}, kPhones, false).train.iterations.value());
+  EXPECT_LT(WithSize({}, {3, {4000, 3000}}, {false}).train.iterations.value(),
+            WithSize({}, kPhones, {false}).train.iterations.value());
 }
 
 TEST(WithSize, LeavesWhatTheUserSet) {
   RunOptions asked;
   asked.image.max_size = 0, asked.train.iterations = 70, asked.train.max_gaussians = 500;
   asked.propose.proposers = std::string("none");
-  const RunOptions settled = WithSize(asked, kPhones, false);
+  const RunOptions settled = WithSize(asked, kPhones, {false});
   EXPECT_EQ(settled.image.max_size, 0);
   EXPECT_EQ(settled.train.iterations, 70);
   EXPECT_EQ(settled.train.max_gaussians, 500);
@@ -65,17 +65,17 @@ TEST(WithSize, LeavesWhatTheUserSet) {
 TEST(WithSize, DownscaleStandsInForMaxSize) {
   RunOptions asked;
   asked.image.downscale = 2;
-  EXPECT_EQ(WorkingSize({4000, 3000}, WithSize(asked, kPhones, false).image.Settled()), (PixelSize{2000, 1500}));
+  EXPECT_EQ(WorkingSize({4000, 3000}, WithSize(asked, kPhones, {false}).image.Settled()), (PixelSize{2000, 1500}));
 }
 
 TEST(WithSize, TrainsToTheHorizon) {
   RunOptions asked;
   asked.train.horizon = 30000;
-  EXPECT_EQ(WithSize(asked, kPhones, false).train.iterations, 30000);
+  EXPECT_EQ(WithSize(asked, kPhones, {false}).train.iterations, 30000);
 }
 
 TEST(SavedSize, IsWhatWasSettled) {
-  const RunOptions settled = WithSize(On(Quality::kDraft), kPhones, false);
+  const RunOptions settled = WithSize(On(Quality::kDraft), kPhones, {false});
   const RunOptions again = WithSize(WithSavedSize(On(Quality::kDraft), SizeToJson(settled)), kPhones, true);
   EXPECT_EQ(RunOptionsToJson(again), RunOptionsToJson(settled));
 }
@@ -94,11 +94,38 @@ TEST(WithUsualSizes, HoldsViewsOutAtFullSize) {
 }
 
 TEST(DescribeSize, NamesWhatWasDecided) {
-  const RunOptions settled = WithSize({}, kPhones, false);
+  const RunOptions settled = WithSize({}, kPhones, {false});
   const std::string text = DescribeSize({}, settled, kPhones);
   EXPECT_NE(text.find("photos of 4000x3000 are used at 1000x750 (--max-size 1000)"), std::string::npos) << text;
   EXPECT_NE(text.find("--quality normal"), std::string::npos) << text;
   EXPECT_EQ(DescribeSize(settled, settled, kPhones), "");
+}
+
+TEST(WithSize, FitsIntoTheMemoryOfAGpu) {
+  const SceneSize many{24, {4000, 3000}};
+  RunOptions before = WithSize(On(Quality::kHigh), many, {true});
+  EXPECT_GT(GpuBytes(before, many), 8'000'000'000);
+  for (const int64_t gigabytes : {24, 12, 8, 6, 2}) {
+    const int64_t free = 1'000'000'000 * gigabytes;
+    const RunOptions settled = WithSize(On(Quality::kHigh), many, {true, free});
+    EXPECT_LT(GpuBytes(settled, many), free) << gigabytes;
+    EXPECT_LE(settled.train.max_gaussians.value(), before.train.max_gaussians.value());
+    EXPECT_LE(settled.image.max_size.value(), before.image.max_size.value());
+    EXPECT_GE(settled.train.max_gaussians.value(), 100000);
+    EXPECT_EQ(settled.train.iterations, before.train.iterations);
+    before = settled;
+  }
+  EXPECT_LT(before.image.max_size.value(), 3200) << "two gigabytes";
+  const RunOptions usual = WithSize({}, kPhones, {true});
+  EXPECT_EQ(SizeToJson(WithSize({}, kPhones, {true, 24'000'000'000})), SizeToJson(usual)) << "plenty";
+}
+
+TEST(WithSize, ShrinksNothingThatTheUserSet) {
+  RunOptions asked;
+  asked.image.max_size = 1600, asked.train.max_gaussians = 5'000'000;
+  const RunOptions settled = WithSize(asked, kPhones, {true, 1'000'000'000});
+  EXPECT_EQ(settled.image.max_size, 1600);
+  EXPECT_EQ(settled.train.max_gaussians, 5'000'000);
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ TEST(TriangulatePoints, FindsAndCachesPointsOnThePlanes) {
   const Scene scene = WriteTexturedPlanes(dir / "scene", 5);
   const std::vector<int> views{0, 1, 3, 4};  // index 2 is held out
   EventRecorder events;
-  const auto points = TriangulatePoints(scene, views, dir / "sfm", events.AsListener());
+  const auto points = TriangulatePoints(scene, views, {dir / "sfm"}, events.AsListener());
   ASSERT_GT(points.size(), 100u);
   EXPECT_THAT(events.warnings, testing::IsEmpty());
   size_t off = 0;
@@ -56,7 +56,7 @@ TEST(TriangulatePoints, FindsAndCachesPointsOnThePlanes) {
   // Again: the same points, and colmap does not run.
   const std::string log = ReadFile(dir / "sfm" / "colmap.log");
   const EmptyPath no_programs;
-  const auto again = TriangulatePoints(scene, views, dir / "sfm", events.AsListener());
+  const auto again = TriangulatePoints(scene, views, {dir / "sfm"}, events.AsListener());
   ASSERT_EQ(again.size(), points.size());
   for (size_t i = 0; i < points.size(); ++i) {
     ASSERT_EQ(again[i].xyz, points[i].xyz);
@@ -66,8 +66,18 @@ TEST(TriangulatePoints, FindsAndCachesPointsOnThePlanes) {
   EXPECT_EQ(ReadFile(dir / "sfm" / "points.ply").substr(0, 3), "ply");
 
   // Other views are other inputs.
-  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, dir / "sfm", events.AsListener()).empty());
+  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, {dir / "sfm"}, events.AsListener()).empty());
   EXPECT_THAT(events.warnings, testing::Contains(HasSubstr("colmap program is not installed")));
+}
+
+TEST(TriangulatePoints, UsesTheFeaturesOfARegistration) {
+  const TempDir dir;
+  const Scene scene = WriteTexturedPlanes(dir / "scene", 4);
+  TriangulatePoints(scene, {0, 1, 2, 3}, {dir / "registered"}, Silent());
+  const auto points = TriangulatePoints(scene, {0, 1, 3}, {dir / "sfm", dir / "registered"}, Silent());
+  ASSERT_GT(points.size(), 100u);
+  EXPECT_THAT(ReadFile(dir / "sfm" / "colmap.log"), testing::Not(HasSubstr("Feature extraction")));
+  for (const ScenePoint& point : points) EXPECT_THAT(point.views, testing::Not(testing::Contains(2))) << "held out";
 }
 
 TEST(TriangulatePoints, WarnsWithoutColmap) {
@@ -76,7 +86,7 @@ TEST(TriangulatePoints, WarnsWithoutColmap) {
   EventRecorder events;
   const EmptyPath no_programs;
   EXPECT_FALSE(ColmapAvailable());
-  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, dir / "sfm", events.AsListener()).empty());
+  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, {dir / "sfm"}, events.AsListener()).empty());
   EXPECT_THAT(events.warnings, testing::Contains(HasSubstr("apt install colmap")));
   EXPECT_FALSE(fs::exists(dir / "sfm"));
 }
@@ -90,22 +100,22 @@ TEST(TriangulatePoints, WarnsOfAFailure) {
   EventRecorder events;
   const EmptyPath no_programs;
   setenv("PATH", (dir / "bin").c_str(), 1);
-  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, dir / "sfm", events.AsListener()).empty());
+  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, {dir / "sfm"}, events.AsListener()).empty());
   EXPECT_THAT(events.warnings, testing::ElementsAre(AllOf(HasSubstr("feature_extractor ended with code 3"),
                                                           HasSubstr("it broke"), HasSubstr("colmap.log"))));
   EXPECT_FALSE(fs::exists(dir / "sfm" / "inputs.json"));
 
   const std::string log = ReadFile(dir / "sfm" / "colmap.log"), warning = events.warnings[0];
-  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, dir / "sfm", events.AsListener()).empty());
+  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, {dir / "sfm"}, events.AsListener()).empty());
   EXPECT_THAT(events.warnings, testing::ElementsAre(warning, warning));
   EXPECT_EQ(ReadFile(dir / "sfm" / "colmap.log"), log) << "it failed on the same images before";
 
   std::ofstream(dir / "bin" / "colmap") << "#!/bin/sh\necho another one\nexit 4\n";
-  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, dir / "sfm", events.AsListener()).empty());
+  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, {dir / "sfm"}, events.AsListener()).empty());
   EXPECT_THAT(events.warnings.back(), HasSubstr("ended with code 4: another one"));
 
   WriteText(dir / "sfm" / "failure.json", "{\"inputs\":");
-  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, dir / "sfm", events.AsListener()).empty());
+  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, {dir / "sfm"}, events.AsListener()).empty());
   EXPECT_THAT(ReadFile(dir / "sfm" / "colmap.log"), HasSubstr("another one"));
 }
 
@@ -117,7 +127,7 @@ TEST(TriangulatePoints, GoesOnToFailWhenColmapIsKilled) {
   const Scene scene = WriteTexturedPlanes(dir / "scene", 2);
   const EmptyPath no_programs;
   setenv("PATH", ((dir / "bin").string() + ":/usr/bin:/bin").c_str(), 1);
-  EXPECT_THROW(TriangulatePoints(scene, {0, 1}, dir / "sfm", Silent()), RunError);
+  EXPECT_THROW(TriangulatePoints(scene, {0, 1}, {dir / "sfm"}, Silent()), RunError);
   EXPECT_FALSE(fs::exists(dir / "sfm" / "failure.json"));
 }
 
@@ -130,7 +140,7 @@ TEST(TriangulatePoints, TriesAgainWhenColmapCouldNotRun) {
   EventRecorder events;
   const EmptyPath no_programs;
   setenv("PATH", ((dir / "bin").string() + ":/usr/bin:/bin").c_str(), 1);
-  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, dir / "sfm", events.AsListener()).empty());
+  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, {dir / "sfm"}, events.AsListener()).empty());
   EXPECT_THAT(events.warnings, testing::ElementsAre(HasSubstr("error while loading shared libraries")));
   EXPECT_FALSE(fs::exists(dir / "sfm" / "failure.json"));
 }

@@ -8,7 +8,7 @@ namespace {
 class StageSeconds : public testing::Test {
  protected:
   SceneSize scene{12, {4000, 3000}};
-  RunOptions options = WithSize({}, scene, false);
+  RunOptions options = WithSize({}, scene, {false});
   EstimateInput input{options, scene, 14, 2, 0, 1, false};
 };
 

@@ -135,7 +135,7 @@ void RequireInputsOutside(const fs::path& out, const std::vector<fs::path>& inpu
   }
 }
 
-/// It may be unknown which images register, but a split that all of them cannot fill is refused.
+/// Refuses a split that not even all images fill; which of them register is not known yet.
 SceneSize SizeOf(const Scene& scene, const SplitOptions& split) {
   return SizeOf(scene, static_cast<int>(SplitViews(scene, split).train.size()));
 }
@@ -144,10 +144,16 @@ SceneSize SizeOf(const Scene& scene, const SplitOptions& split) {
 RunOptions SettleSize(const RunOptions& asked, const Scene& scene, Device device, const nlohmann::json& saved,
                       const Listener& listener) {
   const SceneSize size = SizeOf(scene, asked.split);
-  RunOptions settled = WithSize(WithSavedSize(asked, saved), size, device.is_cuda());
+  const TrainingMachine machine{device.is_cuda(), device.is_cuda() ? FreeBytes(device) : 0};
+  const RunOptions known = WithSavedSize(asked, saved);
+  RunOptions settled = WithSize(known, size, machine);
   CheckRunOptions(settled);
   RequireRenderable(scene, settled.image.Settled());
   if (const std::string text = DescribeSize(asked, settled, size); !text.empty()) listener(Note{text});
+  if (SizeToJson(settled) != SizeToJson(WithSize(known, size, {machine.is_gpu}))) {
+    listener(Note{
+        fmt::format("less than usual, for {:.1f} GB of the GPU's memory are free", Gigabytes(machine.free_bytes))});
+  }
   return settled;
 }
 

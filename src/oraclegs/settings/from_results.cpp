@@ -7,7 +7,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr int kUsualProposals = 32, kProxyProposals = 96;  // images are slow to make, renders of proxy models are not
+constexpr int kUsualProposals = 32;  // images are slow to make, renders of proxy models are not
 
 // Those of [Kerbl 2023] and [Kheradmand 2024].
 constexpr double kDenseScale = 1, kSparseScale = 0.1;
@@ -69,7 +69,7 @@ SfmPoints SettleSfmPoints(const StartOptions& asked, bool all_train) {
 }
 
 TargetPlan SettleTargets(const TrajectoryOptions& asked, bool proxies_alone, double openness) {
-  const int usual = proxies_alone ? kProxyProposals : kUsualProposals;
+  const int usual = proxies_alone ? kMostProposals : kUsualProposals;
   return {asked.proposals.ValueOr(openness < kMinOpenness ? 0 : usual), asked.trajectory.ValueOr(Trajectory::kDataset),
           asked.trajectory.is_auto()};
 }

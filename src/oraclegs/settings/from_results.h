@@ -24,6 +24,8 @@ SfmPoints SettleSfmPoints(const StartOptions& asked, bool all_train);
 /// Photos that leave less open than this (Openness) teach all that proposals could.
 inline constexpr double kMinOpenness = 0.3;
 
+inline constexpr int kMostProposals = 96;  ///< that are made where nobody says how many
+
 /// --trajectory and --proposals. proxies_alone: nothing but proxy models proposes. openness: Openness of the photos, 1
 /// where a generator that sees anything proposes, too.
 TargetPlan SettleTargets(const TrajectoryOptions& asked, bool proxies_alone, double openness);

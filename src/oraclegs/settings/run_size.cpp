@@ -4,6 +4,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "oraclegs/settings/from_results.h"
+#include "oraclegs/train/memory_estimate.h"
+
 namespace oraclegs {
 namespace {
 
@@ -15,8 +18,11 @@ struct Level {
 constexpr double kUsualViewPixels = 0.75e6, kUsualPixels = 12 * kUsualViewPixels;  // twelve views of 1000 x 750
 constexpr double kMaxIterationFactor = 1.25;
 constexpr double kMaxGaussianFactor = 3;
-constexpr int kGaussianStep = 5000;  // makes round numbers
-constexpr int kFewViews = 8;         // with fewer views long training overfits
+constexpr int kGaussianStep = 5000;   // makes round numbers
+constexpr int kFewViews = 8;          // with fewer views long training overfits
+constexpr double kShareOfGpu = 0.85;  // of its free memory; the rest is for what is not counted
+constexpr int kLeastGaussiansOnGpu = 100000, kLeastSideOnGpu = 400;
+constexpr double kShrink = 0.85;
 constexpr int kMinIterations = 1000, kIterationStep = 100;
 
 Level LevelOf(Quality quality, bool on_gpu) {
@@ -42,6 +48,24 @@ int GaussiansFor(double pixels, int usual) {
   return std::max(kGaussianStep, Rounded(factor * usual, kGaussianStep));
 }
 
+/// Shrinks what is automatic until it fits.
+void FitToGpu(int64_t free, const SceneSize& scene, const RunOptions& asked, RunOptions* settled) {
+  const auto fits = [&] {
+    return static_cast<double>(GpuBytes(*settled, scene)) <= kShareOfGpu * static_cast<double>(free);
+  };
+  int gaussians = settled->train.max_gaussians.value();
+  while (!fits() && asked.train.max_gaussians.is_auto() && gaussians > kLeastGaussiansOnGpu) {
+    gaussians = std::max(kLeastGaussiansOnGpu, Rounded(kShrink * gaussians, kGaussianStep));
+    settled->train.max_gaussians = gaussians;
+  }
+  int side = settled->image.max_size.value();
+  const bool may_resize = asked.image.max_size.is_auto() && asked.image.downscale.is_auto();
+  while (!fits() && may_resize && side > kLeastSideOnGpu) {
+    side = std::max(kLeastSideOnGpu, static_cast<int>(kShrink * side));
+    settled->image.max_size = side;
+  }
+}
+
 /// More iterations for small images, which cost little; fewer for few views, which long training would overfit.
 int IterationsFor(int views, double pixels_of_view, int usual) {
   const double small = std::clamp(std::sqrt(kUsualViewPixels / pixels_of_view), 1.0, kMaxIterationFactor);
@@ -60,8 +84,9 @@ SceneSize SizeOf(const Scene& scene, int training_views) {
   return size;
 }
 
-RunOptions WithSize(RunOptions options, const SceneSize& scene, bool on_gpu) {
-  const Level level = LevelOf(options.quality.quality, on_gpu);
+RunOptions WithSize(RunOptions options, const SceneSize& scene, const TrainingMachine& machine) {
+  const RunOptions asked = options;
+  const Level level = LevelOf(options.quality.quality, machine.is_gpu);
   if (options.image.max_size.is_auto()) options.image.max_size = options.image.downscale.is_auto() ? level.max_size : 0;
   if (options.train.iterations.is_auto()) {
     options.train.iterations =
@@ -76,7 +101,19 @@ RunOptions WithSize(RunOptions options, const SceneSize& scene, bool on_gpu) {
   if (options.propose.proposers.is_auto()) {
     options.propose.proposers = std::string(options.quality.quality == Quality::kDraft ? kWarpWord : kProxiesWord);
   }
+  if (machine.is_gpu && machine.free_bytes > 0) FitToGpu(machine.free_bytes, scene, asked, &options);
   return options;
+}
+
+int64_t GpuBytes(const RunOptions& settled, const SceneSize& scene) {
+  // As RasterCore::EstimateBytes has it, of three tiles a Gaussian, and the images of the losses and of a render.
+  constexpr int64_t kRasterOfGaussian = 260, kWorkOfPixel = 160;
+  constexpr int64_t kPhotoOfPixel = 22, kProposalOfPixel = 4;
+  const auto pixels = static_cast<int64_t>(PixelsOfView(scene, settled.image.Settled()));
+  const int64_t proposals = settled.propose.Words().empty() ? 0 : settled.trajectory.proposals.ValueOr(kMostProposals);
+  return settled.train.max_gaussians.value() *
+             (ModelBytes(settled.train.sh_moments) + kTrainScratchBytes + kRasterOfGaussian) +
+         pixels * (kWorkOfPixel + kPhotoOfPixel * scene.views + kProposalOfPixel * proposals);
 }
 
 RunOptions WithUsualSizes(RunOptions options) {

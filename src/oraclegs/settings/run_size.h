@@ -18,8 +18,18 @@ struct SceneSize {
 /// training_views: their number, where the split is known or will not reject any.
 SceneSize SizeOf(const Scene& scene, int training_views);
 
-/// Options with a size for everything automatic. on_gpu: a GPU trains.
-RunOptions WithSize(RunOptions options, const SceneSize& scene, bool on_gpu);
+/// The machine that trains.
+struct TrainingMachine {
+  bool is_gpu = false;
+  int64_t free_bytes = 0;  ///< free memory of the GPU; 0 = unknown
+};
+
+/// Options with a size for everything automatic. Where a GPU has less memory than the training takes (GpuBytes), there
+/// are fewer Gaussians, down to 100 000, and then smaller images.
+RunOptions WithSize(RunOptions options, const SceneSize& scene, const TrainingMachine& machine);
+
+/// Bytes of a GPU that the run takes at most, about: Gaussians, images, and the work on one view.
+int64_t GpuBytes(const RunOptions& settled, const SceneSize& scene);
 
 /// Sizes for experiments, whose runs compare with published ones and with each other. Where nothing else is asked for:
 /// full size, 7000 iterations, 100 000 Gaussians, proxy models, and every 8th view for testing.

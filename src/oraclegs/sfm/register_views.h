@@ -24,12 +24,19 @@ namespace oraclegs {
 Scene RegisterViews(const Scene& photos, const std::filesystem::path& work_dir, const Listener& listener,
                     const FeatureFinder& find_features = {}, const ConfirmedShares& confirmed_shares = {});
 
+/// Folders of TriangulatePoints.
+struct TriangulationFolders {
+  std::filesystem::path work;             ///< written
+  std::filesystem::path registered = {};  ///< that RegisterViews wrote for the same photos, whose features and matches
+                                          ///< are used; empty = none
+};
+
 /// Points triangulated from the given views only, with their poses held fixed (feature_extractor, exhaustive_matcher,
-/// point_triangulator). Images are read where they are; nothing is written beside them. Owns work_dir and writes
+/// point_triangulator). Images are read where they are; nothing is written beside them. Owns folders.work and writes
 /// images/ (links), masks/, database.db, sparse/0, points.ply, colmap.log and, last, inputs.json there; reused when
 /// inputs.json (images, intrinsics, poses) is unchanged. Warns and returns no points when colmap is missing or fails.
 std::vector<ScenePoint> TriangulatePoints(const Scene& scene, const std::vector<int>& views,
-                                          const std::filesystem::path& work_dir, const Listener& listener);
+                                          const TriangulationFolders& folders, const Listener& listener);
 
 /// The scene's own points (of a COLMAP model) that at least two of `views` saw: a point only one of them saw was
 /// triangulated with the help of a held-out view.

@@ -52,8 +52,8 @@ inline constexpr int kMaxPairsToRematch = 150;      ///< matched again with know
 /// or forward motion, also with a wide-angle lens; a network's features, where there is one; affine features of small
 /// images, which say whether anything links the images at all; more and weaker features; affine ones; and, slowest,
 /// pooled ones. The thresholds are from trials on 3 to 12 images of a scene; the first set is the only one for more
-/// than kMaxImagesForRetries. Of more than kMaxImagesToMatchAll, few and coarse features are tried before it, which are
-/// plenty where each place is in many images.
+/// than kMaxImagesForRetries. Few and coarse features come before it where there are more than kMaxImagesToMatchAll:
+/// they are plenty where each place is in many images.
 const std::vector<FeatureSet>& RegistrationSchedule(int images);
 
 /// Thresholds for registering the remaining images into an existing model.

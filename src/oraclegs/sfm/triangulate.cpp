@@ -19,6 +19,7 @@
 #include "oraclegs/sfm/colmap_runner.h"
 #include "oraclegs/sfm/colmap_staging.h"
 #include "oraclegs/sfm/colmap_workspace.h"
+#include "oraclegs/sfm/database_file.h"
 
 namespace oraclegs {
 namespace {
@@ -43,16 +44,45 @@ size_t WriteKnownPoses(const Scene& scene, const std::vector<int>& views, const 
   return images.size();
 }
 
+/// Whether a registration has features of all these views, found in images that were not turned for it.
+bool HasFeatures(const fs::path& registered, const Scene& scene, const std::vector<int>& views,
+                 const std::vector<StagedView>& plan) {
+  std::error_code ignored;
+  if (registered.empty() || !fs::exists(registered / "database.db", ignored)) return false;
+  try {
+    const auto stored = ReadDatabaseImages(registered / "database.db");
+    const ColmapCameras cameras = ReadColmapCameras(registered / "sparse" / "0");
+    for (size_t i = 0; i < views.size(); ++i) {
+      const auto found = stored.find(plan[i].name);
+      const auto camera = found == stored.end() ? cameras.end() : cameras.find(found->second.camera_id);
+      const Intrinsics& intrinsics = scene.views[static_cast<size_t>(views[i])].intrinsics;
+      if (camera == cameras.end() || camera->second.width != intrinsics.width ||
+          camera->second.height != intrinsics.height) {
+        return false;
+      }
+    }
+  } catch (const Error&) {
+    return false;  // they are found again
+  }
+  return true;
+}
+
 void Triangulate(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
-                 const fs::path& work_dir, const Listener& listener) {
+                 const TriangulationFolders& folders, const Listener& listener) {
+  const fs::path& work_dir = folders.work;
   const ColmapRunner colmap(work_dir, listener, "sfm");
   MakeFolder(AttemptsFolder(work_dir));
   const bool has_masks = StageImages(scene, views, plan, work_dir);
-  colmap.ExtractFeatures("SIMPLE_PINHOLE", has_masks);  // the true cameras are set afterwards
+  const bool are_known = HasFeatures(folders.registered, scene, views, plan);
+  if (are_known) {
+    CopyDatabase(folders.registered / "database.db", colmap.database());
+  } else {
+    colmap.ExtractFeatures("SIMPLE_PINHOLE", has_masks);  // the true cameras are set afterwards
+  }
   if (WriteKnownPoses(scene, views, plan, colmap, AttemptsFolder(work_dir) / "poses") < 2) {
     throw ColmapFailure{"feature_extractor", 0, "fewer than two photos could be used"};
   }
-  MatchImages(colmap, {}, listener);
+  if (!are_known) MatchImages(colmap, {}, listener);
   const fs::path made = AttemptsFolder(work_dir) / "model";
   MakeFolder(made);
   colmap.Run("point_triangulator",
@@ -71,8 +101,9 @@ void Triangulate(const Scene& scene, const std::vector<int>& views, const std::v
 
 }  // namespace
 
-std::vector<ScenePoint> TriangulatePoints(const Scene& scene, const std::vector<int>& views, const fs::path& work_dir,
-                                          const Listener& listener) {
+std::vector<ScenePoint> TriangulatePoints(const Scene& scene, const std::vector<int>& views,
+                                          const TriangulationFolders& folders, const Listener& listener) {
+  const fs::path& work_dir = folders.work;
   const nlohmann::json inputs = DescribeInputs(scene, views);
   const std::vector<StagedView> plan = PlanStaging(scene, views);
   if (IsUnchanged(work_dir, inputs)) {
@@ -93,7 +124,7 @@ std::vector<ScenePoint> TriangulatePoints(const Scene& scene, const std::vector<
   }
   ClearWorkDir(work_dir);
   try {
-    Triangulate(scene, views, plan, work_dir, listener);
+    Triangulate(scene, views, plan, folders, listener);
   } catch (const ColmapFailure& failure) {
     const std::string warning =
         fmt::format("no points are triangulated, as happens when photos match nowhere or poses are wrong: {}; see {}",

@@ -44,9 +44,10 @@ FoundPoints PointsOfTrainingViews(const Run& run) {
                                   points.size(), run.Given().points.size())});
   }
   // For images without poses sfm/ itself holds the registration.
-  const auto dir = run.photos.empty() ? run.workspace.sfm() : run.workspace.sfm() / "training_views";
-  std::vector<ScenePoint> triangulated = TriangulatePoints(run.Given(), run.split.train, dir, run.listener);
-  return {triangulated.size() > points.size() ? std::move(triangulated) : std::move(points), dir};
+  TriangulationFolders folders{run.workspace.sfm()};
+  if (!run.photos.empty()) folders = {run.workspace.sfm() / "training_views", run.workspace.sfm()};
+  std::vector<ScenePoint> triangulated = TriangulatePoints(run.Given(), run.split.train, folders, run.listener);
+  return {triangulated.size() > points.size() ? std::move(triangulated) : std::move(points), folders.work};
 }
 
 /// Holds poses that came with the scene against the matches between its photos. Throws InputError for hopeless ones.
@@ -91,7 +92,8 @@ std::optional<nlohmann::json> MakeSfm(Run* run, const std::string&) {
 double SecondsOfSfm(const EstimateInput& input) {
   constexpr double kTriangulation = 0.5, kReuse = 0.3;
   const bool found = input.photos > 0 && input.test_views + input.other_views == 0;  // all by registration
-  return found ? kReuse : SecondsOfFeatures(input, input.scene.views) + kTriangulation;
+  if (found) return kReuse;
+  return kTriangulation + (input.photos > 0 ? 0 : SecondsOfFeatures(input, input.scene.views));
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ std::optional<double> MeanSquaredConfidence(const std::vector<TrainView>& propos
 /// Their images are those of `training`, which must outlive them.
 std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geometry& geometry, DepthLoss depth_loss);
 
-/// The same, which take the images and free the depth, so that neither lies in memory twice.
+/// Does the same, but takes the images and frees the depth, so that neither lies in memory twice.
 std::vector<TrainView> TakeTrainViews(TrainingViews* training, Geometry* geometry, DepthLoss depth_loss);
 
 /// {"NAME": [12 numbers, the 3x4 color map row by row]} of trained exposures.
