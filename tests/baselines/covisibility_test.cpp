@@ -120,9 +120,9 @@ TEST(WeightByCovisibility, CountsMoreWhatOnePhotoAloneShows) {
 TEST(WeightByCovisibility, HasMeanOneOverAllPhotosTogether) {
   // Two see the same, one sees what no other does: it counts more as a whole.
   const std::vector<TrainView> weighted = WeightByCovisibility({PhotoOfWall(0), PhotoOfWall(0), PhotoOfWall(50)});
-  EXPECT_NEAR(MeanConfidence(weighted[0].pixel_weight), 0.75, 1e-6);
-  EXPECT_NEAR(MeanConfidence(weighted[1].pixel_weight), 0.75, 1e-6);
-  EXPECT_NEAR(MeanConfidence(weighted[2].pixel_weight), 1.5, 1e-6);
+  EXPECT_NEAR(MeanConfidence(weighted[0]), 0.75, 1e-6);
+  EXPECT_NEAR(MeanConfidence(weighted[1]), 0.75, 1e-6);
+  EXPECT_NEAR(MeanConfidence(weighted[2]), 1.5, 1e-6);
 }
 
 TEST(WeightByCovisibility, KeepsMasksAndWhatIsKnownToBeEmpty) {

@@ -10,13 +10,13 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-const TexturedPlane kWall{{0, 0, 0}, {0, 0, -1}};
+const TexturedPlane kSourcesWall{{0, 0, 0}, {0, 0, -1}};
 
-DepthMap MapOf(const Camera& camera) {
+DepthMap SourceMapOf(const Camera& camera) {
   DepthMap map{"", camera, {}, {}, {}};
   for (int i = 0; i < camera.width * camera.height; ++i) {
     map.inv_depth.push_back(
-        static_cast<float>(1 / kWall.DepthAt(camera, i % camera.width + 0.5, i / camera.width + 0.5)));
+        static_cast<float>(1 / kSourcesWall.DepthAt(camera, i % camera.width + 0.5, i / camera.width + 0.5)));
     map.confidence.push_back(1);
   }
   return map;
@@ -27,7 +27,7 @@ Camera Before(double x) { return CameraAt({x, 0, -4}, {x, 0, 0}); }
 
 std::vector<DepthMap> MapsAt(const std::vector<double>& places) {
   std::vector<DepthMap> maps;
-  for (const double x : places) maps.push_back(MapOf(Before(x)));
+  for (const double x : places) maps.push_back(SourceMapOf(Before(x)));
   return maps;
 }
 
@@ -39,7 +39,7 @@ TEST(NearestSourcesTest, AreThoseBesideThePose) {
 
 TEST(NearestSourcesTest, PreferTheDirectionOfThePose) {
   std::vector<DepthMap> maps;
-  for (const double x : {-6., 0.5, 6.}) maps.push_back(MapOf(CameraAt({x, 0, -4}, {0, 0, 0})));
+  for (const double x : {-6., 0.5, 6.}) maps.push_back(SourceMapOf(CameraAt({x, 0, -4}, {0, 0, 0})));
   EXPECT_THAT(NearestSources(maps).For(CameraAt({5, 0, -4}, {0, 0, 0}), 1), ElementsAre(2));
 }
 

@@ -58,6 +58,8 @@ TEST(Support, RisesWithTheImagesThatSeeAGaussian) {
 TEST(Support, IsTheConfidenceOfProposalsWhereNoImageSees) {
   const Gaussians ball = Balls({{0, 0, 0}});
   EXPECT_NEAR(Support(ball, {ProposalFrom(kFront, 0.8f)}, {})[0], 0.4, 1e-3);
+  const SupportView in_bytes{LookingAtOrigin(kFront), {}, true, Buffer<uint8_t>::Full({64, 64}, 204)};
+  EXPECT_NEAR(Support(ball, {in_bytes}, {})[0], 0.4, 1e-3);
   EXPECT_NEAR(Support(ball, {ProposalFrom(kFront, 0.2f)}, {})[0], 0.1, 1e-3);
   EXPECT_NEAR(Support(ball, {ProposalFrom(kFront, 0.2f), ProposalFrom(kLeft, 0.6f)}, {})[0], 0.3, 1e-3);
   EXPECT_LT(Support(ball, {ProposalFrom(kFront, 1)}, {})[0], 0.5f);

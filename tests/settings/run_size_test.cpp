@@ -76,7 +76,7 @@ TEST(WithSize, TrainsToTheHorizon) {
 
 TEST(SavedSize, IsWhatWasSettled) {
   const RunOptions settled = WithSize(On(Quality::kDraft), kPhones, {false});
-  const RunOptions again = WithSize(WithSavedSize(On(Quality::kDraft), SizeToJson(settled)), kPhones, true);
+  const RunOptions again = WithSize(WithSavedSize(On(Quality::kDraft), SizeToJson(settled)), kPhones, {true});
   EXPECT_EQ(RunOptionsToJson(again), RunOptionsToJson(settled));
 }
 

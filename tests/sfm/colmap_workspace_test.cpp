@@ -254,19 +254,19 @@ TEST(TriangulatePoints, ReusesAFinishedRun) {
   WriteFinishedRun(scene, dir / "sfm");
   const NoPrograms no_programs;
   EventRecorder events;
-  EXPECT_EQ(TriangulatePoints(scene, kViews, dir / "sfm", events.AsListener()).size(), 2u);
+  EXPECT_EQ(TriangulatePoints(scene, kViews, {dir / "sfm"}, events.AsListener()).size(), 2u);
   EXPECT_THAT(events.warnings, IsEmpty());
 
   Scene moved = scene;
   moved.views[0].cam_from_world->translation().x() = 1;
-  EXPECT_THAT(TriangulatePoints(moved, kViews, dir / "sfm", events.AsListener()), IsEmpty());
+  EXPECT_THAT(TriangulatePoints(moved, kViews, {dir / "sfm"}, events.AsListener()), IsEmpty());
   EXPECT_THAT(events.warnings, ElementsAre(HasSubstr("colmap program is not installed")));
-  EXPECT_EQ(TriangulatePoints(scene, kViews, dir / "sfm", events.AsListener()).size(), 2u)
+  EXPECT_EQ(TriangulatePoints(scene, kViews, {dir / "sfm"}, events.AsListener()).size(), 2u)
       << "the old result still stands";
 
   events = {};
   WriteText(dir / "sfm/sparse/0/points3D.txt", "1 1 2");
-  EXPECT_THAT(TriangulatePoints(scene, kViews, dir / "sfm", events.AsListener()), IsEmpty());
+  EXPECT_THAT(TriangulatePoints(scene, kViews, {dir / "sfm"}, events.AsListener()), IsEmpty());
   EXPECT_THAT(events.warnings, ElementsAre(AllOf(HasSubstr("points3D.txt"), HasSubstr("triangulated again")),
                                            HasSubstr("not installed")));
 }
@@ -278,7 +278,7 @@ TEST(TriangulatePoints, ReusesAFinishedRunOfMovedImages) {
   const Scene moved = WriteSmallScene(dir / "moved");
   const NoPrograms no_programs;
   EventRecorder events;
-  EXPECT_EQ(TriangulatePoints(moved, kViews, dir / "sfm", events.AsListener()).size(), 2u);
+  EXPECT_EQ(TriangulatePoints(moved, kViews, {dir / "sfm"}, events.AsListener()).size(), 2u);
   EXPECT_THAT(events.warnings, IsEmpty());
 }
 

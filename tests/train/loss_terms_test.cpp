@@ -58,7 +58,7 @@ TEST(LossPlan, GivesProposalsTheirTerms) {
                                                  TermKind::kAlpha));
   EXPECT_EQ(terms.begin()[0].mask_meaning, MaskMeaning::kConfidence);
   EXPECT_EQ(terms.begin()[0].photometric.l1, 0.4f);
-  EXPECT_DOUBLE_EQ(terms.begin()[1].weight, 0.3 * MeanConfidence(proposal.pixel_weight));
+  EXPECT_DOUBLE_EQ(terms.begin()[1].weight, 0.3 * MeanConfidence(proposal));
   EXPECT_FALSE(terms.exposure.has_value());
 }
 

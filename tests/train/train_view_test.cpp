@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "support/errors.h"
 #include "train/small_scene.h"
 
 namespace oraclegs {
@@ -176,6 +177,25 @@ TEST(CharacteristicDepthTest, IsTheMedianOfTheViewsMedians) {
   EXPECT_EQ(CharacteristicDepth({near, far, farther}), 4);
   far.depth_mask.Rows(0, kHeight / 2 + 2).SetZero();  // which do not count
   EXPECT_EQ(CharacteristicDepth({near, far, farther}), 8);
+}
+
+TEST(CheckViews, RejectPlanesThatStandTwice) {
+  TrainView view{"photo", CameraOnCircle(0), {}, {}};
+  view.image_bytes = Buffer<uint8_t>::Full({kHeight, kWidth, 3}, 9);
+  EXPECT_NO_THROW(CheckViews({view}));
+  view.image = view.Image();
+  EXPECT_THAT(MessageOf<ShapeError>([&] { CheckViews({view}); }), testing::HasSubstr("image of photo stand twice"));
+  view.image = {};
+  view.weight_bytes = Buffer<uint8_t>::Full({kHeight, kWidth + 1}, 9);
+  EXPECT_THROW(CheckViews({view}), ShapeError);
+}
+
+TEST(ToTrainView, ShowsTheImageOfItsOwner) {
+  auto photo = std::make_shared<LoadedView>();
+  photo->camera = CameraOnCircle(0);
+  photo->rgb = {kWidth, kHeight, 3, std::vector<float>(3 * kWidth * kHeight, 0.25f)};
+  EXPECT_EQ(ToTrainView(*photo, photo).image.data(), photo->rgb.data.data());
+  EXPECT_NE(ToTrainView(*photo).image.data(), photo->rgb.data.data());
 }
 
 }  // namespace

@@ -142,7 +142,7 @@ TEST(ViewLoss, WeighsLpipsByTheMeanConfidence) {
   const ViewLossResult result = loss(kFirstProposal, 1, out);
   Buffer<float> grad = Buffer<float>::Empty(out.image.shape());
   const double image = PhotometricLoss()(out.image, proposal.image, proposal.pixel_weight, {0.4f, 0.3f}, &grad).loss;
-  const double weight = 0.3 * MeanConfidence(proposal.pixel_weight);
+  const double weight = 0.3 * MeanConfidence(proposal);
   EXPECT_DOUBLE_EQ(result.loss, image + weight * difference.square().mean());
   EXPECT_LE(RelativeL2(result.grads.image, Wide(grad) + weight * scale * difference), 1e-6);
 }
@@ -168,6 +168,21 @@ TEST(ViewLoss, NamesIterationAndViewOfALossThatIsNotFinite) {
   Planned loss(Options(), {Photos(1), {proposal}});
   EXPECT_THAT(MessageOf<RunError>([&] { loss(kFirstProposal, 12, Render()); }),
               testing::HasSubstr("iteration 12 on proposal7"));
+}
+
+TEST(ViewLoss, IsThatOfFloatsForBytes) {
+  TrainView bytes = Noise("proposal", 3), floats = bytes;
+  bytes.image = bytes.pixel_weight = {};
+  bytes.image_bytes = Buffer<uint8_t>::Empty({kHeight, kWidth, 3});
+  bytes.weight_bytes = Buffer<uint8_t>::Empty({kHeight, kWidth});
+  for (int64_t i = 0; i < bytes.image_bytes.count(); ++i) bytes.image_bytes[i] = static_cast<uint8_t>(37 * i % 256);
+  for (int64_t i = 0; i < bytes.weight_bytes.count(); ++i) bytes.weight_bytes[i] = static_cast<uint8_t>(11 * i % 256);
+  floats.image = bytes.Image(), floats.pixel_weight = bytes.Weights();
+  EXPECT_EQ(floats.image[2], 74.f / 255);
+  Planned expected(Options(), {Photos(1), {floats}}), loss(Options(), {Photos(1), {bytes}});
+  const ViewLossResult wanted = expected(kFirstProposal, 1, Render()), result = loss(kFirstProposal, 1, Render());
+  EXPECT_EQ(result.loss, wanted.loss);
+  EXPECT_TRUE(Equal(result.grads.image, wanted.grads.image));
 }
 
 }  // namespace
