@@ -88,7 +88,7 @@ TEST_F(SevaStageTest, ProposalsMayKeepTheGeneratorsSize) {
     EXPECT_EQ(view.camera.width, 64) << "80 x 60 in 64 x 64";
     EXPECT_EQ(view.camera.height, 48);
     EXPECT_NEAR(view.camera.fx / photo.fx, 0.8, 1e-9);
-    EXPECT_EQ(view.image.shape(), (Shape{48, 64, 3}));
+    EXPECT_EQ(view.Image().shape(), (Shape{48, 64, 3}));
   }
 }
 

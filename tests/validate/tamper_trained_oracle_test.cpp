@@ -107,9 +107,9 @@ TEST_F(TamperTrainedOracleTest, PredictsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(one, five);
 }
 
-TEST_F(TamperTrainedOracleTest, LearnsFromAtMostThirtyTwoViews) {
+TEST_F(TamperTrainedOracleTest, LearnsFromAtMostTwentyFourViews) {
   EXPECT_EQ(TamperTrainedOracle::TrainingSamples(3), 12u);
-  EXPECT_EQ(TamperTrainedOracle::TrainingSamples(500), 128u);
+  EXPECT_EQ(TamperTrainedOracle::TrainingSamples(500), 96u);
 }
 
 TEST(LearnedViews, AreAllOfFewAndSomeOfMany) {
