@@ -74,21 +74,17 @@ Buffer<float> Plane(const std::vector<T>& values, const char* what, const Loaded
   return plane;
 }
 
+Buffer<float> Unpacked(const Buffer<uint8_t>& bytes) {
+  Buffer<float> floats = Buffer<float>::Empty(bytes.shape());
+  UnpackBytes(bytes, floats);
+  return floats;
+}
+
 }  // namespace
 
-Buffer<float> TrainView::Image() const {
-  if (!image_bytes.defined()) return image;
-  const Buffer<float> floats = Buffer<float>::Empty(image_bytes.shape());
-  UnpackBytes(image_bytes, floats);
-  return floats;
-}
+Buffer<float> TrainView::Image() const { return image_bytes.defined() ? Unpacked(image_bytes) : image; }
 
-Buffer<float> TrainView::Weights() const {
-  if (!weight_bytes.defined()) return pixel_weight;
-  const Buffer<float> floats = Buffer<float>::Empty(weight_bytes.shape());
-  UnpackBytes(weight_bytes, floats);
-  return floats;
-}
+Buffer<float> TrainView::Weights() const { return weight_bytes.defined() ? Unpacked(weight_bytes) : pixel_weight; }
 
 void UnpackBytes(const Buffer<uint8_t>& bytes, const Buffer<float>& to) {
   constexpr int64_t kGrain = 1 << 16;
