@@ -106,10 +106,11 @@ MonocularMaps FindDepth(Run* run_, const TrainingViews& training) {
   return WithMonocularDepth({predicted, IsWhole(run)}, views, std::move(maps), SeenByTrainingViews(run), run.listener);
 }
 
+/// Mean over the views whose depth was looked for.
 double MeanConfidentShare(const std::vector<DepthMap>& maps) {
-  double sum = 0;
-  for (const DepthMap& map : maps) sum += ConfidentShare(map);
-  return maps.empty() ? 0 : sum / static_cast<double>(maps.size());
+  double sum = 0, searched = 0;
+  for (const DepthMap& map : maps) sum += ConfidentShare(map), searched += map.size() > 0 ? 1 : 0;
+  return searched > 0 ? sum / searched : 0;
 }
 
 /// Why far less depth was found than the views' overlap promises; "" where it was not.
@@ -185,7 +186,7 @@ void ReportDepth(Run* run) {
   const Geometry& geometry = run->results->geometry;
   std::vector<std::string> poor;
   for (const DepthMap& map : geometry.maps) {
-    if (ConfidentShare(map) < kMinConfidentShare) poor.push_back(map.name);
+    if (map.size() > 0 && ConfidentShare(map) < kMinConfidentShare) poor.push_back(map.name);
   }
   run->listener(
       Note{fmt::format("depth: confident on {:.0f} % of the pixels; {}", 100 * MeanConfidentShare(geometry.maps),
