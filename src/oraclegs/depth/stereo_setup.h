@@ -31,7 +31,7 @@ std::vector<std::vector<int>> FindNeighbors(const std::vector<LoadedView>& views
 std::vector<size_t> ViewsForStereo(const std::vector<Camera>& cameras);
 
 /// Depth of more views says little new, and takes the time of everything else together.
-inline constexpr size_t kMaxStereoViews = 48;
+inline constexpr size_t kMaxStereoViews = 32;
 
 /// Angle in degrees between the rays from two camera centers to a point.
 double AngleAt(const Eigen::Vector3d& point, const Camera& a, const Camera& b);

@@ -1,7 +1,7 @@
 #include "oraclegs/scene/gps_scale.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -89,8 +89,11 @@ std::optional<Eigen::Vector3d> UpByGps(const Scene& scene) {
   from.colwise() -= from.rowwise().mean().eval();
   to.colwise() -= to.rowwise().mean().eval();
   const auto count = static_cast<double>(n);
-  const Eigen::Vector3d axes = Eigen::JacobiSVD<Eigen::Matrix3Xd>(to).singularValues();  // descending
-  if (!(axes.squaredNorm() >= count * kMinSpread * kMinSpread) || axes[1] < kMinWidth * axes[0]) return std::nullopt;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(Eigen::Matrix3d(to * to.transpose()),
+                                                              Eigen::EigenvaluesOnly);
+  const Eigen::Vector3d axes = spread.eigenvalues();  // squared lengths, ascending
+  if (!(axes.sum() >= count * kMinSpread * kMinSpread) || axes[1] < kMinWidth * kMinWidth * axes[2])
+    return std::nullopt;
   const Eigen::Matrix4d fit = Eigen::umeyama(from, to);
   const Eigen::Matrix3d turn = fit.topLeftCorner<3, 3>();
   const double scale = std::cbrt(turn.determinant());

@@ -10,6 +10,7 @@
 #include "oraclegs/core/text.h"
 #include "oraclegs/networks/loader.h"
 #include "oraclegs/settings/device.h"
+#include "oraclegs/sfm/choose_pairs.h"
 #include "oraclegs/sfm/register_views.h"
 #include "oraclegs/stages/stage_seconds.h"
 #include "oraclegs/stages/stereo_of_run.h"
@@ -133,8 +134,10 @@ StageWork RegisterStage() {
               },
           .seconds =
               [](const EstimateInput& input) {
-                constexpr double kMapping = 3, kMappingOfPhoto = 1;
-                return SecondsOfFeatures(input, input.photos) + kMapping + kMappingOfPhoto * input.photos;
+                constexpr double kMapping = 3, kMappingOfPhoto = 1, kCoarse = 0.3;
+                // Many photos usually register by coarse features.
+                const double share = input.photos > kMaxImagesToMatchAll ? kCoarse : 1;
+                return kMapping + share * (SecondsOfFeatures(input, input.photos) + kMappingOfPhoto * input.photos);
               },
           .uses_network = [](const Run& run) { return run.plan.poses.has_value(); }};
 }
