@@ -1,4 +1,6 @@
 #include "depth/disturbed.h"
+#include "oraclegs/depth/refine_poses.h"
+#include "oraclegs/depth/stereo_setup.h"
 #include "oraclegs/stages/refined_poses.h"
 #include "oraclegs/stages/stage_works.h"
 #include "run/fixtures.h"
@@ -92,6 +94,18 @@ TEST_F(PosesStageTest, RefinesPosesThatAreOff) {
   EXPECT_EQ(run.scene.views[test].cam_from_world->matrix(), expected.cam_from_world.matrix());
   EXPECT_EQ(ViewsOf(&run).views[2].camera.cam_from_world.matrix(), now[2].cam_from_world.matrix());
   EXPECT_EQ(Bring(&run, "depth").geometry.maps[2].camera.cam_from_world.matrix(), now[2].cam_from_world.matrix());
+}
+
+TEST_F(PosesStageTest, KeepsPosesThatManyPhotosBind) {
+  auto run = StartDisturbed("many", 0.3, 0.01);
+  run.photos = "registered";
+  while (run.split.train.size() <= kMaxStereoViews) run.split.train.push_back(run.split.train.front());
+  run.scene.points.clear();
+  Bring(&run, "poses");
+  const nlohmann::json record = run.workspace.Record("poses");
+  EXPECT_EQ(record.at("result"), "kept");
+  EXPECT_GT(record.at("before"), PoseRefinementOptions().gate);
+  EXPECT_FALSE(run.given);
 }
 
 TEST_F(PosesStageTest, ReadsRefinedPosesBackAndMendsDamage) {

@@ -95,7 +95,9 @@ AcrossResidual ResidualAcross(const std::vector<OffsetPixel>& pixels, const std:
 }
 
 OffsetMeter::OffsetMeter(const std::vector<LoadedView>& views, const std::vector<DepthMap>& maps)
-    : views_(views), maps_(maps), sources_(FindNeighbors(views, SharedPoints(maps), kOffsetSources)) {
+    : views_(views),
+      maps_(maps),
+      sources_(FindNeighbors(views, SharedPoints(maps), kOffsetSources, [&](size_t v) { return maps[v].size() > 0; })) {
   for (const LoadedView& view : views) pyramids_.push_back(SearchPyramid(view.rgb));
 }
 
@@ -104,7 +106,7 @@ std::vector<OffsetPixel> OffsetMeter::Choose(size_t most) const {
   ParallelFor(static_cast<int64_t>(views_.size()), [&](int64_t task) {
     const auto v = static_cast<size_t>(task);
     const DepthMap& map = maps_[v];
-    if (sources_[v].empty() || map.size() == 0) return;
+    if (sources_[v].empty()) return;
     std::vector<OffsetPixel> candidates;
     for (int y = kSearchRadius; y < map.camera.height - kSearchRadius; y += kChoiceStep) {
       for (int x = kSearchRadius; x < map.camera.width - kSearchRadius; x += kChoiceStep) {

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "oraclegs/camera/scene_bounds.h"
+#include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
 
 namespace oraclegs {
@@ -63,11 +64,14 @@ DepthRange RangeFromDepths(std::vector<double> depths, const RangeMargins& span)
           static_cast<float>(1 / (span.near_margin * quantile(span.near_quantile)))};
 }
 
-double PairScore(const Camera& a, const Camera& b, const std::vector<Eigen::Vector3d>& shared) {
+/// The scores of points that two views share.
+struct SharedScore {
   double sum = 0;
-  for (const Eigen::Vector3d& p : shared) sum += AngleScore(AngleAt(p, a, b));
-  return shared.empty() ? 0 : sum / static_cast<double>(shared.size());
-}
+  int points = 0;
+
+  void Add(double score) { sum += score, ++points; }
+  double Mean() const { return points > 0 ? sum / points : 0; }
+};
 
 }  // namespace
 
@@ -109,37 +113,42 @@ std::vector<DepthRange> FindDepthRanges(const std::vector<LoadedView>& views, co
 
 std::vector<std::vector<int>> FindNeighbors(const std::vector<LoadedView>& views, const std::vector<ScenePoint>& points,
                                             int most) {
+  return FindNeighbors(views, points, most, [](size_t) { return true; });
+}
+
+std::vector<std::vector<int>> FindNeighbors(const std::vector<LoadedView>& views, const std::vector<ScenePoint>& points,
+                                            int most, FunctionRef<bool(size_t)> is_wanted) {
   const std::vector<Eigen::Vector3d> random_points = RandomPoints(CamerasOf(views));
-  const int n = static_cast<int>(views.size());
-  std::vector<std::vector<std::vector<Eigen::Vector3d>>> shared(n, std::vector<std::vector<Eigen::Vector3d>>(n));
-  for (const ScenePoint& point : points) {
-    for (const int a : point.views) {
-      for (const int b : point.views) {
-        if (a != b) shared[a][b].push_back(point.xyz);
+  const size_t n = views.size();
+  std::vector<std::vector<int>> neighbors(n);
+  ParallelFor(static_cast<int64_t>(n), [&](int64_t view) {
+    const auto a = static_cast<size_t>(view);
+    if (!is_wanted(a)) return;
+    const Camera& camera_a = views[a].camera;
+    const auto score_with = [&](size_t b, const Eigen::Vector3d& point) {
+      return AngleScore(AngleAt(point, camera_a, views[b].camera));
+    };
+    std::vector<SharedScore> shared(n);
+    for (const ScenePoint& point : points) {
+      if (std::find(point.views.begin(), point.views.end(), static_cast<int>(a)) == point.views.end()) continue;
+      for (const int v : point.views) {
+        const auto b = static_cast<size_t>(v);
+        if (b != a) shared[b].Add(score_with(b, point.xyz));
       }
     }
-  }
-  std::vector<std::vector<int>> neighbors;
-  for (int a = 0; a < n; ++a) {
     std::vector<std::pair<double, int>> scores;
-    for (int b = 0; b < n; ++b) {
-      if (a == b) continue;
-      const Camera& camera_a = views[a].camera;
-      const Camera& camera_b = views[b].camera;
-      std::vector<Eigen::Vector3d>& common = shared[a][b];
-      if (static_cast<int>(common.size()) < kMinPointsForPair) {
+    for (size_t b = 0; b < n; ++b) {
+      if (b == a) continue;
+      if (shared[b].points < kMinPointsForPair) {
         for (const Eigen::Vector3d& p : random_points) {
-          if (InFrame(camera_a, p) && InFrame(camera_b, p)) common.push_back(p);
+          if (InFrame(camera_a, p) && InFrame(views[b].camera, p)) shared[b].Add(score_with(b, p));
         }
       }
-      const double score = PairScore(camera_a, camera_b, common);
-      if (score > 0) scores.emplace_back(-score, b);
+      if (shared[b].Mean() > 0) scores.emplace_back(-shared[b].Mean(), static_cast<int>(b));
     }
     std::sort(scores.begin(), scores.end());
-    std::vector<int> best;
-    for (size_t k = 0; k < scores.size() && static_cast<int>(k) < most; ++k) best.push_back(scores[k].second);
-    neighbors.push_back(std::move(best));
-  }
+    for (size_t k = 0; k < scores.size() && static_cast<int>(k) < most; ++k) neighbors[a].push_back(scores[k].second);
+  });
   return neighbors;
 }
 

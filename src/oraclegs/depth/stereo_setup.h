@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "oraclegs/core/function_ref.h"
 #include "oraclegs/depth/silhouettes.h"
 #include "oraclegs/scene/scene.h"
 
@@ -25,6 +26,10 @@ std::vector<DepthRange> FindDepthRanges(const std::vector<LoadedView>& views, co
 /// look at are added. Empty for a view that shares points with no other, or only with views from its own place.
 std::vector<std::vector<int>> FindNeighbors(const std::vector<LoadedView>& views, const std::vector<ScenePoint>& points,
                                             int most);
+
+/// FindNeighbors of the views with `is_wanted`; the others have none.
+std::vector<std::vector<int>> FindNeighbors(const std::vector<LoadedView>& views, const std::vector<ScenePoint>& points,
+                                            int most, FunctionRef<bool(size_t)> is_wanted);
 
 /// Indices, ascending, of the views whose depth is looked for: all of few, else kMaxStereoViews that are spread over
 /// all places and directions.

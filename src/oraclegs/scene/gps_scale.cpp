@@ -1,7 +1,7 @@
 #include "oraclegs/scene/gps_scale.h"
 
-#include <Eigen/Geometry>
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <cmath>
 #include <complex>
 #include <numbers>

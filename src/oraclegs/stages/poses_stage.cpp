@@ -8,6 +8,7 @@
 #include "oraclegs/depth/plane_search.h"
 #include "oraclegs/depth/refine_poses.h"
 #include "oraclegs/depth/stereo.h"
+#include "oraclegs/depth/stereo_setup.h"
 #include "oraclegs/stages/refined_poses.h"
 #include "oraclegs/stages/stage_seconds.h"
 #include "oraclegs/stages/stage_works.h"
@@ -85,6 +86,11 @@ bool Fits(const PoseRefinement& refined) {
   return PassesGate(refined.residual.after, views, PoseRefinementOptions().gate);
 }
 
+/// Whether COLMAP has bound the poses by more photos than stereo looks at: it adjusts them all, refinement only some.
+bool AreOfManyPhotos(const Run& run, const std::vector<Camera>& cameras) {
+  return !run.photos.empty() && !run.plan.poses && ViewsForStereo(cameras).size() < cameras.size();
+}
+
 /// The run with refined poses where its given ones are off, and stereo of the poses as they are then; empty where it
 /// has to run again. Depth of wrong poses is wrong itself: stereo and refinement take turns.
 PoseRefinement Refine(Run* run, std::vector<DepthMap>* stereo) {
@@ -93,6 +99,7 @@ PoseRefinement Refine(Run* run, std::vector<DepthMap>* stereo) {
   const std::vector<Camera> given = CamerasOf(views);
   *stereo = StereoOf(*run, views, "poses");
   PoseRefinementOptions options;
+  if (AreOfManyPhotos(*run, given)) options.gate = std::numeric_limits<double>::infinity();
   if (run->options.depth.refine_poses == PoseRefining::kOn) options.gate = 0;
   PoseRefinement first = RefinePoses(views, *stereo, options);
   if (first.result == PoseRefinementResult::kKept || first.result == PoseRefinementResult::kUnknown) return first;
