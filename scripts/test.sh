@@ -3,23 +3,32 @@
 #   scripts/test.sh                        what a change has to pass: the stage release
 #   scripts/test.sh -R render              arguments go to ctest
 #   scripts/test.sh --all                  what CI runs: every stage but long
+#   scripts/test.sh --all --minutes 55     begins no stage after that many minutes, and says which it leaves out
 #   scripts/test.sh --stage asan --stage tidy    these stages:
 #     release  builds and tests everything
 #     asan     address and undefined-behavior sanitizers on the floors below settings; then each fuzzer for some seconds
-#     tsan     the thread sanitizer on the floors with threads
-#     tidy     clang-tidy
 #     cuda     compiles the device code with nvcc; running it needs a GPU
+#     tidy     clang-tidy
+#     tsan     the thread sanitizer on the floors with threads
 #     long     minutes a fuzzer, the floors of the engine without precompiled headers, all tests of the preset dev, the
 #              growth of parsers; not in --all
 # A stage that cannot run fails. CI=true: plain output, warnings are errors.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-all_stages=(release asan tsan tidy cuda)
+all_stages=(release asan cuda tidy tsan)
 stages=()
-while [[ ${1:-} == --all || ${1:-} == --stage ]]; do
+minutes=
+while [[ ${1:-} == --all || ${1:-} == --stage || ${1:-} == --minutes ]]; do
   if [[ $1 == --all ]]; then
     stages=("${all_stages[@]}")
+  elif [[ $1 == --minutes ]]; then
+    [[ ${2:-} =~ ^[0-9]+$ ]] || {
+      echo "scripts/test.sh: --minutes ${2:-}: give a number" >&2
+      exit 2
+    }
+    minutes=$2
+    shift
   else
     [[ " ${all_stages[*]} long " == *" ${2:-} "* && -n ${2:-} ]] || {
       echo "scripts/test.sh: --stage ${2:-}: give one of ${all_stages[*]} long" >&2
@@ -131,5 +140,14 @@ stage_long() {
 }
 
 scripts/bootstrap.sh
-for stage in "${stages[@]}"; do "stage_$stage" "$@"; done
-step "passed ${stages[*]}"
+passed=() left_out=()
+for stage in "${stages[@]}"; do
+  if [[ -n $minutes ]] && ((SECONDS >= 60 * minutes)); then
+    left_out+=("$stage")
+    continue
+  fi
+  "stage_$stage" "$@"
+  passed+=("$stage")
+done
+step "passed ${passed[*]}"
+((${#left_out[@]} == 0)) || step "left out after $minutes minutes: ${left_out[*]}"

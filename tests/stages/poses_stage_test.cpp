@@ -97,10 +97,10 @@ TEST_F(PosesStageTest, RefinesPosesThatAreOff) {
 }
 
 TEST_F(PosesStageTest, KeepsPosesThatManyPhotosBind) {
-  auto run = StartDisturbed("many", 0.3, 0.01);
+  auto run = StartDisturbed("many", 0.6, 0.02);
   run.photos = "registered";
   while (run.split.train.size() <= kMaxStereoViews) run.split.train.push_back(run.split.train.front());
-  run.scene.points.clear();
+  GivePoints(&run, {});
   Bring(&run, "poses");
   const nlohmann::json record = run.workspace.Record("poses");
   EXPECT_EQ(record.at("result"), "kept");
