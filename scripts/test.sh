@@ -3,7 +3,7 @@
 #   scripts/test.sh                        what a change has to pass: the stage release
 #   scripts/test.sh -R render              arguments go to ctest
 #   scripts/test.sh --all                  what CI runs: every stage but long
-#   scripts/test.sh --all --minutes 45     begins no stage after that many minutes, and says which it leaves out
+#   scripts/test.sh --all --minutes 40     begins no stage after that many minutes, and says which it leaves out
 #   scripts/test.sh --stage asan --stage tidy    these stages:
 #     release  builds and tests everything
 #     asan     address and undefined-behavior sanitizers on the floors below settings; then each fuzzer for some seconds
