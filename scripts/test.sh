@@ -2,21 +2,21 @@
 # Installs what is missing, builds, checks the format and the house rules, runs every test.
 #   scripts/test.sh                        what a change has to pass: the stage release
 #   scripts/test.sh -R render              arguments go to ctest
-#   scripts/test.sh --all                  what CI runs: every stage but long
-#   scripts/test.sh --all --minutes 40     begins no stage after that many minutes, and says which it leaves out
+#   scripts/test.sh --all                  every stage but long
+#   scripts/test.sh --all --minutes 40     what CI runs: begins no stage after that many minutes, and says which it leaves out
 #   scripts/test.sh --stage asan --stage tidy    these stages:
 #     release  builds and tests everything
 #     asan     address and undefined-behavior sanitizers on the floors below settings; then each fuzzer for some seconds
 #     cuda     compiles the device code with nvcc; running it needs a GPU
 #     tidy     clang-tidy
 #     tsan     the thread sanitizer on the floors with threads
-#     long     minutes a fuzzer, the floors of the engine without precompiled headers, all tests of the preset dev, the
-#              growth of parsers; not in --all
-# A stage that cannot run fails. CI=true: plain output, warnings are errors.
+#     dev      the floors of the engine, each file on its own and without precompiled headers
+#     long     minutes a fuzzer, all tests of the preset dev, the growth of parsers; not in --all
+# A stage that cannot run fails; --minutes alone leaves stages out. CI=true: plain output, warnings are errors.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-all_stages=(release asan cuda tidy tsan)
+all_stages=(release asan cuda tidy tsan dev)
 stages=()
 minutes=
 while [[ ${1:-} == --all || ${1:-} == --stage || ${1:-} == --minutes ]]; do
@@ -108,11 +108,18 @@ stage_asan() {
   scripts/fuzz.sh --seed 1 --seconds 8
 }
 
-stage_tsan() { check tsan core render loss train web; }
+stage_tsan() { check tsan core depth render loss train propose web; }
 
 stage_tidy() {
   step "clang-tidy"
   scripts/tidy.sh
+}
+
+stage_dev() {
+  local engine=(core image camera scene depth gaussians formats render loss train)
+  step "build dev, each file on its own"
+  cmake --preset dev -B build/alone -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON -DCMAKE_CXX_FLAGS_DEBUG=-O0 "${configure[@]}" >/dev/null
+  cmake --build build/alone --parallel "$(nproc)" --target "${engine[@]/#/oraclegs_}"
 }
 
 stage_cuda() {
@@ -129,10 +136,6 @@ stage_cuda() {
 stage_long() {
   step "fuzzers"
   scripts/fuzz.sh --seconds 300
-  step "build dev, each file on its own"
-  local engine=(core image camera scene depth gaussians formats render loss train)
-  cmake --preset dev -B build/alone -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON -DCMAKE_CXX_FLAGS_DEBUG=-O0 "${configure[@]}" >/dev/null
-  cmake --build build/alone --parallel "$(nproc)" --target "${engine[@]/#/oraclegs_}"
   build dev
   run_tests dev
   build release parser_growth_bench

@@ -98,6 +98,15 @@ TEST(FindNeighbors, PreferTenDegrees) {
   EXPECT_THAT(FindNeighbors(Blanks(cameras), {}, 2)[0], ElementsAre(2, 3));
 }
 
+TEST(FindNeighbors, AreLookedForOfWantedViewsAlone) {
+  const std::vector<LoadedView> views = Blanks(Arc(5, 10));
+  const std::vector<ScenePoint> points = Points(50, 3, 5, {0, 1, 2, 4});
+  const auto all = FindNeighbors(views, points, 3),
+             some = FindNeighbors(views, points, 3, [](size_t v) { return v < 2; });
+  ASSERT_THAT(all, testing::Each(testing::Not(IsEmpty())));
+  EXPECT_THAT(some, ElementsAre(all[0], all[1], IsEmpty(), IsEmpty(), IsEmpty()));
+}
+
 TEST(FindNeighbors, UseAngleAtSharedPoints) {
   std::vector<Camera> cameras;
   for (const double x : {0.0, 0.5, 1.0}) cameras.push_back(CameraAt({x, 0, 0}, {x, 0, 1}, 96, 72));

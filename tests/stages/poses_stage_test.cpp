@@ -106,6 +106,8 @@ TEST_F(PosesStageTest, KeepsPosesThatManyPhotosBind) {
   EXPECT_EQ(record.at("result"), "kept");
   EXPECT_GT(record.at("before"), PoseRefinementOptions().gate);
   EXPECT_FALSE(run.given);
+  EXPECT_THAT(recorder.warnings, Contains(HasSubstr("px, and are kept, for stereo looks at 32 of the photos")));
+  EXPECT_THAT(recorder.notes, testing::Not(Contains(HasSubstr("poses fit"))));
 }
 
 TEST_F(PosesStageTest, ReadsRefinedPosesBackAndMendsDamage) {

@@ -35,7 +35,7 @@ std::vector<std::vector<int>> FindNeighbors(const std::vector<LoadedView>& views
 /// all places and directions.
 std::vector<size_t> ViewsForStereo(const std::vector<Camera>& cameras);
 
-/// Depth of more views says little new, and takes the time of everything else together.
+/// Stereo of these takes about as long as training, and grows with them.
 inline constexpr size_t kMaxStereoViews = 32;
 
 /// Angle in degrees between the rays from two camera centers to a point.

@@ -22,7 +22,7 @@ using nlohmann::json;
 constexpr int kMaxRefinements = 3;  // each with depth of its own; more of them only follow the noise of the offsets
 
 constexpr int kMinSide = 90;      // pixels of an image in which refinement still sees something
-constexpr double kMaxLeft = 0.5;  // pixels that refinement may leave a view off by without a warning
+constexpr double kMaxLeft = 0.5;  // pixels that a view may stay off by without a warning; below it the usual gate keeps
 
 const char* WordOf(PoseRefinementResult result) {
   switch (result) {
@@ -177,6 +177,12 @@ std::string WarningOf(const json& record) {
         OffBy(record, "before"), WorstView(record, "degrees").value("degrees", 0.),
         100 * WorstView(record, "share").value("share", 0.));
   }
+  if (result == "kept" && WorstView(record, "before").value("before", 0.) > kMaxLeft) {
+    return fmt::format(
+        "poses are off by {}, and are kept, for stereo looks at {} of the photos alone; what they show may blur: "
+        "--refine-poses on refines them all the same",
+        OffBy(record, "before"), kMaxStereoViews);
+  }
   const json worst = WorstView(record, "after");
   if (result != "refined" || worst.value("after", 0.) <= kMaxLeft) return "";
   return fmt::format(
@@ -208,7 +214,7 @@ void ReportPoses(Run* run) {
   const std::string result = record.value("result", "");
   if (result == "unknown") {
     run->listener(Note{"poses: too few patches are common to the photos to say how well they fit"});
-  } else if (result == "kept") {
+  } else if (result == "kept" && record.value("warning", "").empty()) {
     run->listener(Note{fmt::format("poses fit the photos within {}; they are kept", OffBy(record, "before"))});
   } else if (result == "refined") {
     run->listener(Note{fmt::format(
