@@ -92,19 +92,6 @@ TEST_F(ProxyModelsTest, SayWhyThereAreNone) {
   EXPECT_FALSE(ProxiesAlonePropose(run)) << "views are warped";
 }
 
-TEST(CoarseViews, AreHalfAsLargeWhereThatShowsEnough) {
-  const auto view_of = [](int width, int height) {
-    const Camera camera{width, height, 300, 300, width / 2., height / 2., Eigen::Isometry3d::Identity()};
-    return TrainView{"a", camera, Buffer<float>::Full({height, width, 3}, 0.5f), {}};
-  };
-  const std::vector<TrainView> coarse = CoarseViews({view_of(320, 240), view_of(240, 300)}, false);
-  ASSERT_EQ(coarse.size(), 2u);
-  EXPECT_EQ(coarse[1].camera.width, 120);
-  EXPECT_EQ(coarse[1].camera.height, 150);
-  EXPECT_THAT(CoarseViews({view_of(320, 240), view_of(239, 300)}, false), IsEmpty());
-  EXPECT_THAT(CoarseViews({view_of(320, 240)}, true), IsEmpty()) << "an object";
-}
-
 TEST(ProxyCount, LeavesEachModelThreeViews) {
   const ProposeOptions two;
   EXPECT_EQ(ProxyCount(two, 12), 2);

@@ -58,37 +58,6 @@ TrainView WithDepth(float inv_depth) {
   return view;
 }
 
-TEST(HalvedTest, AveragesWhatCounts) {
-  constexpr int kColumns = 6, kRows = 4;
-  const Camera camera{kColumns, kRows, 10, 10, 3, 2, Eigen::Isometry3d::Identity()};
-  TrainView view{"a", camera, Buffer<float>::Full({kRows, kColumns, 3}, 0.3f), {}};
-  view.inv_depth = Buffer<float>::Full({kRows, kColumns}, 0.5f);
-  view.depth_mask = Buffer<float>::Full({kRows, kColumns}, 1.f);
-  view.pixel_weight = Buffer<float>::Full({kRows, kColumns}, 1.f);
-  view.alpha = Buffer<float>::Full({kRows, kColumns}, 1.f);
-  view.exposure[0] = 2;
-  // Of the four pixels that become the first, the color of one and the depth of another do not count.
-  for (int64_t c = 0; c < 3; ++c) view.image[c] = 100, view.image[3 * kColumns + c] = 0.9f;
-  view.pixel_weight[0] = 0;
-  view.inv_depth[1] = std::nanf(""), view.depth_mask[1] = 0;
-  view.alpha[0] = view.alpha[1] = 0;
-
-  const TrainView half = Halved(view);
-  CheckViews({half});
-  EXPECT_EQ(half.name, view.name);
-  EXPECT_EQ(half.camera.width, 3);
-  EXPECT_EQ(half.camera.height, 2);
-  EXPECT_EQ(half.camera.fx, 5);
-  EXPECT_EQ(half.exposure, view.exposure);
-  EXPECT_NEAR(half.image[0], 0.5f, 1e-6);
-  EXPECT_NEAR(half.image[3], 0.3f, 1e-6);
-  EXPECT_NEAR(half.pixel_weight[0], 0.75f, 1e-6);
-  EXPECT_NEAR(half.inv_depth[0], 0.5f, 1e-6);
-  EXPECT_NEAR(half.depth_mask[0], 0.75f, 1e-6);
-  EXPECT_NEAR(half.alpha[0], 0.5f, 1e-6);
-  EXPECT_FALSE(Halved({"a", camera, view.image, {}}).HasWeights());
-}
-
 TEST(CheckViewsTest, RefusesDepthThatDoesNotFit) {
   EXPECT_NO_THROW(CheckViews({WithDepth(0.5f)}));
   TrainView view = WithDepth(0.5f);

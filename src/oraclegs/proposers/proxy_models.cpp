@@ -18,9 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kMinViewsOfProxy = 2;  // that show a surface
-constexpr double kCoarseFinish = 0.5;   // share of the training with all views that is done at half size
-constexpr int kMinCoarseSide = 120;     // pixels: below, too little is left to see
-constexpr double kTimeOfCoarse = 0.5;   // of an iteration at half size, against one of all pixels
 
 template <class T>
 std::vector<T> Without(const std::vector<T>& all, const std::vector<int>& held_out) {
@@ -74,8 +71,7 @@ Geometry GeometryWithout(const Geometry& all, const std::vector<LoadedView>& sho
   return rest;
 }
 
-/// Trains the models of one run, most of the time on images of half the size: only their last iterations need all
-/// pixels (docs/method.md#proxy-models).
+/// Trains the models of one run.
 class ProxyTrainer {
  public:
   explicit ProxyTrainer(Run* run)
@@ -83,7 +79,6 @@ class ProxyTrainer {
         training_(ViewsOf(run)),
         geometry_(run->results->geometry),
         views_(MakeTrainViews(training_, geometry_, run->options.train.depth_loss)),
-        coarse_views_(CoarseViews(views_, !training_.silhouettes.empty())),
         asked_(OptionsOfProxies(*run)),
         options_(ProxyOptions(asked_, SettleTraining(asked_.train, EvidenceOf(training_, geometry_), Silent()))),
         finish_(FinishOptions(asked_, !training_.silhouettes.empty(), options_)) {}
@@ -93,7 +88,7 @@ class ProxyTrainer {
   /// Trains model `number` and writes its files; false, with a warning, where too little is left of the views.
   bool Train(int number, const std::vector<int>& held_out, const std::vector<fs::path>& files,
              const Listener& listener) const {
-    const std::vector<TrainView> kept = Without(coarse_views_.empty() ? views_ : coarse_views_, held_out);
+    const std::vector<TrainView> kept = Without(views_, held_out);
     const std::vector<LoadedView> shown = Without(training_.views, held_out);
     const Geometry rest = GeometryWithout(geometry_, shown, held_out);
     if (kept.size() < kMinViewsOfProxy || rest.points.size() < kMinPointsForStart) {
@@ -106,32 +101,31 @@ class ProxyTrainer {
     const StartOptions& start = run_.options.start;
     const PointCloud cloud = DenseStart(start, shown, rest, static_cast<size_t>(options_.max_gaussians));
     const Gaussians gaussians = InitializeGaussians(cloud, {SettleStartScale(start, true), start.init_opacity});
-    Gaussians model = Trained(number, options_, kept, gaussians, listener);
-    WriteGaussianPly(files[0], model, options_.sh_degree);
-    TrainOptions coarse = finish_, fine = finish_;
-    coarse.iterations = coarse_views_.empty() ? 0 : static_cast<int>(kCoarseFinish * finish_.iterations);
-    fine.iterations -= coarse.iterations;
-    model = Trained(number, coarse, coarse_views_, model, Offset(listener, options_.iterations));
-    model = Trained(number, fine, views_, model, Offset(listener, options_.iterations + coarse.iterations));
-    WriteGaussianPly(files[1], model, finish_.sh_degree);
+    Trainer trainer = TrainerOf(number, options_, kept, gaussians);
+    trainer.Run({}, listener);
+    WriteGaussianPly(files[0], trainer.gaussians(), options_.sh_degree);
+    if (finish_.iterations == 0) {
+      WriteGaussianPly(files[1], trainer.gaussians(), options_.sh_degree);
+      return true;
+    }
+    Trainer finisher = TrainerOf(number, finish_, views_, trainer.gaussians());
+    finisher.Run({}, Offset(listener, options_.iterations));
+    WriteGaussianPly(files[1], finisher.gaussians(), finish_.sh_degree);
     return true;
   }
 
  private:
-  /// Model `number` after so many more iterations, on the device of the run.
-  Gaussians Trained(int number, const TrainOptions& options, const std::vector<TrainView>& views,
-                    const Gaussians& start, const Listener& listener) const {
-    if (options.iterations == 0) return start;
+  /// Returns the trainer of model `number`, on the device of the run.
+  Trainer TrainerOf(int number, const TrainOptions& options, const std::vector<TrainView>& views,
+                    const Gaussians& start) const {
     TrainSetup setup{options,
                      run_.options.start.seed + static_cast<uint64_t>(number),
                      BackgroundColor(run_.options.image.background),
                      {views},
                      start.To(kCpu)};
-    Trainer trainer(std::move(setup), [device = run_.plan.device](const TrainDeviceSetup& on_device) {
+    return Trainer(std::move(setup), [device = run_.plan.device](const TrainDeviceSetup& on_device) {
       return MakeTrainDevice(device, on_device);
     });
-    trainer.Run({}, listener);
-    return trainer.gaussians();
   }
 
   /// A trainer's progress after `before` other iterations of the same model.
@@ -150,7 +144,7 @@ class ProxyTrainer {
   const Run& run_;
   const TrainingViews& training_;
   const Geometry& geometry_;
-  std::vector<TrainView> views_, coarse_views_;
+  std::vector<TrainView> views_;
   RunOptions asked_;
   TrainOptions options_, finish_;
 };
@@ -230,10 +224,8 @@ double SecondsOfProxies(const EstimateInput& input) {
   const ProposeOptions& propose = input.options.propose;
   if (!propose.Uses(kProxiesWord) || ProposalsOf(input) == 0) return 0;
   const bool is_object = input.covered < 1;
-  const double finish = SettleProxyFinish(propose, is_object);
-  const double coarse = is_object ? 0 : propose.proxy_share + kCoarseFinish * finish;
-  const double whole = propose.proxy_share + finish - coarse;
-  const double iterations = (whole + kTimeOfCoarse * coarse) * input.options.train.iterations.value();
+  const double iterations =
+      (propose.proxy_share + SettleProxyFinish(propose, is_object)) * input.options.train.iterations.value();
   return ProxyCount(propose, input.scene.views) * iterations * SecondsOfIteration(input);
 }
 
@@ -254,15 +246,6 @@ Train ProxyOptions(const RunOptions& options, Train train) {
 }
 template TrainOptions ProxyOptions(const RunOptions& options, TrainOptions train);
 template AutoTrainOptions ProxyOptions(const RunOptions& options, AutoTrainOptions train);
-
-std::vector<TrainView> CoarseViews(const std::vector<TrainView>& views, bool is_object) {
-  std::vector<TrainView> coarse;
-  for (const TrainView& view : views) {
-    if (is_object || std::min(view.camera.width, view.camera.height) < 2 * kMinCoarseSide) return {};
-    coarse.push_back(Halved(view));
-  }
-  return coarse;
-}
 
 int ProxyCount(const ProposeOptions& options, int views) {
   const int enough = std::min(kViewsOfProxy, views - 1);

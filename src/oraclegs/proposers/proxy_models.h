@@ -1,10 +1,7 @@
 #pragma once
 
-#include <vector>
-
 #include "oraclegs/stages/proposer_row.h"
 #include "oraclegs/train/options.h"
-#include "oraclegs/train/train_view.h"
 
 namespace oraclegs {
 
@@ -12,10 +9,6 @@ namespace oraclegs {
 /// TrainOptions, or AutoTrainOptions, of which what is automatic stays so.
 template <class Train>
 Train ProxyOptions(const RunOptions& options, Train train);
-
-/// The views at half their size, on which proxy models learn at first; none where too little would be left to see: an
-/// object fills only some of its images.
-std::vector<TrainView> CoarseViews(const std::vector<TrainView>& views, bool is_object);
 
 /// Training views that a proxy model has at first, where there are more.
 inline constexpr int kViewsOfProxy = 3;

@@ -14,7 +14,7 @@ const std::vector<Stage>& Stages() {
       {"sfm", 1, {"register"}, SfmStage()},
       {"poses", 1, {"sfm"}, PosesStage()},
       {"depth", 5, {"sfm", "poses"}, DepthStage()},
-      {"proxies", 2, {"depth"}, ProxyStage()},
+      {"proxies", 1, {"depth"}, ProxyStage()},
       {"propose", 2, {"depth", "proxies"}, ProposeStage()},
       {"validate", 4, {"propose"}, ValidateStage()},
       {"train", 1, {"sfm", "depth", "validate"}, TrainStage()},

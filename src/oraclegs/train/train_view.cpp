@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/statistics.h"
-#include "oraclegs/image/image.h"
 
 namespace oraclegs {
 namespace {
@@ -76,31 +74,6 @@ Buffer<float> Plane(const std::vector<T>& values, const char* what, const Loaded
   return plane;
 }
 
-/// Area averages, of values times weights over those of the weights where there are any; `shape` is that of the new
-/// map.
-Buffer<float> Shrunk(const Buffer<float>& map, const Buffer<float>& weights, const Shape& shape) {
-  const auto resize = [&](const Buffer<float>& from) {
-    const int channels = from.dims() == 3 ? static_cast<int>(from.size(2)) : 1;
-    ImageF image{static_cast<int>(from.size(1)), static_cast<int>(from.size(0)), channels, {}};
-    image.data.assign(from.span().begin(), from.span().end());
-    return ResizeArea(image, static_cast<int>(shape[1]), static_cast<int>(shape[0])).data;
-  };
-  if (!weights.defined()) return Buffer<float>::From(shape, std::span<const float>(resize(map)));
-  const int64_t channels = map.count() / weights.count();
-  const Buffer<float> weighted = map.Clone();
-  for (int64_t i = 0; i < map.count(); ++i) {
-    const float weight = weights.data()[i / channels];
-    weighted.data()[i] = weight > 0 ? weight * map.data()[i] : 0;  // what does not count need not be finite
-  }
-  std::vector<float> sums = resize(weighted);
-  const std::vector<float> totals = resize(weights);
-  for (size_t i = 0; i < sums.size(); ++i) {
-    const float total = totals[i / static_cast<size_t>(channels)];
-    sums[i] = total > 0 ? sums[i] / total : 0;
-  }
-  return Buffer<float>::From(shape, std::span<const float>(sums));
-}
-
 Buffer<float> Unpacked(const Buffer<uint8_t>& bytes) {
   Buffer<float> floats = Buffer<float>::Empty(bytes.shape());
   UnpackBytes(bytes, floats);
@@ -141,22 +114,6 @@ TrainView ToTrainView(const LoadedView& photo, std::shared_ptr<const void> owner
   }
   if (!photo.alpha.empty()) view.alpha = Plane(photo.alpha, "alpha channel", photo);
   return view;
-}
-
-TrainView Halved(const TrainView& view) {
-  const int64_t width = std::max(1, view.camera.width / 2), height = std::max(1, view.camera.height / 2);
-  TrainView half{view.name, Resized(view.camera, static_cast<int>(width), static_cast<int>(height)), {}, {}};
-  const Shape plane{height, width};
-  const Buffer<float> weights = view.Weights(), everywhere;
-  half.image = Shrunk(view.Image(), weights, {height, width, 3});
-  if (weights.defined()) half.pixel_weight = Shrunk(weights, everywhere, plane);
-  if (view.alpha.defined()) half.alpha = Shrunk(view.alpha, everywhere, plane);
-  if (view.inv_depth.defined()) {
-    half.inv_depth = Shrunk(view.inv_depth, view.depth_mask, plane);
-    half.depth_mask = Shrunk(view.depth_mask, everywhere, plane);
-  }
-  half.exposure = view.exposure;
-  return half;
 }
 
 void CheckViews(const std::vector<TrainView>& views) {

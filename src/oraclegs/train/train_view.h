@@ -41,10 +41,6 @@ void UnpackBytes(const Buffer<uint8_t>& bytes, const Buffer<float>& to);
 /// image is shown, else copied. Throws ShapeError when the photo's buffers do not fit its size.
 TrainView ToTrainView(const LoadedView& photo, std::shared_ptr<const void> owner = nullptr);
 
-/// The view at half its width and height, rounded down, whose pixels are area averages: of the image by the weights, of
-/// inv_depth by depth_mask.
-TrainView Halved(const TrainView& view);
-
 /// Throws UsageError when there is no view; ShapeError when a tensor does not fit its camera or stands twice, when only
 /// one of inv_depth and depth_mask is defined, when an inverse depth of positive mask is not finite, or when an alpha
 /// is not in [0, 1].
