@@ -61,6 +61,14 @@ TEST(FuseDepth, SkipsUnconfidentPixels) {
   EXPECT_TRUE(FuseDepth({}, {}, {}).empty());
 }
 
+TEST(ConfidenceOfPoints, GrowsWithTheViewsThatCanAgree) {
+  EXPECT_FLOAT_EQ(ConfidenceOfPoints(2), 0.2f);
+  EXPECT_FLOAT_EQ(ConfidenceOfPoints(6), 0.2f);
+  EXPECT_FLOAT_EQ(ConfidenceOfPoints(7), 0.35f);
+  EXPECT_FLOAT_EQ(ConfidenceOfPoints(8), kConfident);
+  EXPECT_FLOAT_EQ(ConfidenceOfPoints(300), kConfident);
+}
+
 TEST(FuseDepth, SeparatesDepths) {
   const std::vector<LoadedView> one = TakeAll(kSlanted, Arc(1, 8)), two = {one[0], one[0]};
   std::vector<DepthMap> maps = TrueDepths(two, kSlanted);

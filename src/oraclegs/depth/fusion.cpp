@@ -16,6 +16,7 @@ constexpr float kMuchFiner = 0.7f;    // a pixel that covers less than this shar
 constexpr float kSameSide = 0.2f;     // cosine between normals
 constexpr float kDetailRange = 0.1f;  // change of luma over two pixels that counts as full detail
 constexpr float kFlatShare = 0.1f;    // of the draws where nothing changes
+constexpr float kOfFewViews = 0.2f;   // confidence
 
 /// Change of luma over two pixels, relative to kDetailRange, at most 1.
 std::vector<float> DetailOf(const ImageF& rgb) {
@@ -153,6 +154,12 @@ class Fusion {
 };
 
 }  // namespace
+
+float ConfidenceOfPoints(size_t views) {
+  constexpr float kFew = 6, kMany = 8;
+  const float share = std::clamp((static_cast<float>(views) - kFew) / (kMany - kFew), 0.f, 1.f);
+  return kOfFewViews + share * (kConfident - kOfFewViews);
+}
 
 std::vector<DensePoint> FuseDepth(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& views,
                                   const FusionOptions& options) {

@@ -134,7 +134,7 @@ class PlaneFill {
       const int x = static_cast<int>(i) % width, y = static_cast<int>(i) / width;
       Cell& cell = grid[static_cast<size_t>(y / cells.size) * cells.across + x / cells.size];
       const Eigen::Map<const Eigen::Vector3f> color(views_[v].rgb.row(y) + 3 * x);
-      if (map.confidence[i] < options_.min_confidence) {
+      if (map.confidence[i] < kConfident) {
         cell.unknown_color += color, ++cell.unknown;
         continue;
       }
@@ -194,7 +194,7 @@ class PlaneFill {
       if (!silhouettes_.empty() && !silhouettes_.MayContain(other, static_cast<float>(x), static_cast<float>(y)))
         return false;
       if (filled_[other][i] != 0 && other < v) return false;
-      if (map.confidence[i] >= options_.min_confidence) {
+      if (map.confidence[i] >= kConfident) {
         const float ratio = there.z() * map.inv_depth[i];
         if (ratio < kSeenThroughFill) return false;
         if (ratio > kOccluded) continue;
@@ -220,7 +220,7 @@ class PlaneFill {
       for (int x = 0; x < camera.width; x += kFillStep) {
         const size_t i = static_cast<size_t>(y) * camera.width + x;
         const int plane = cells.At(x, y);
-        if (plane == kNoPlane || map.confidence[i] >= options_.min_confidence || !MayFill(v, i)) continue;
+        if (plane == kNoPlane || map.confidence[i] >= kConfident || !MayFill(v, i)) continue;
         const float w = Meet(planes[static_cast<size_t>(plane)], camera, i);
         if (!(w > cells.farthest && w < cells.nearest)) continue;
         const Eigen::Vector3f xyz =

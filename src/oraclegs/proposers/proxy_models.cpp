@@ -67,7 +67,9 @@ Geometry GeometryWithout(const Geometry& all, const std::vector<LoadedView>& sho
   Geometry rest;
   rest.maps = Without(all.maps, held_out);
   rest.gains = Without(all.gains, held_out);
-  rest.points = FuseDepth(rest.maps, shown, FusionOf(rest.gains));
+  FusionOptions fusion = FusionOf(rest.gains);
+  fusion.min_confidence = ConfidenceOfPoints(all.maps.size());  // all views took part in the maps
+  rest.points = FuseDepth(rest.maps, shown, fusion);
   return rest;
 }
 

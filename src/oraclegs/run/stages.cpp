@@ -13,7 +13,7 @@ const std::vector<Stage>& Stages() {
       {"register", 2, {}, RegisterStage()},  // cameras of photos without poses
       {"sfm", 1, {"register"}, SfmStage()},
       {"poses", 1, {"sfm"}, PosesStage()},
-      {"depth", 5, {"sfm", "poses"}, DepthStage()},
+      {"depth", 6, {"sfm", "poses"}, DepthStage()},
       {"proxies", 1, {"depth"}, ProxyStage()},
       {"propose", 2, {"depth", "proxies"}, ProposeStage()},
       {"validate", 4, {"propose"}, ValidateStage()},
