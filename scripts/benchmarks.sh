@@ -82,13 +82,7 @@ predicted() { figures predicted "$out"/quality/{fox,lego,sceaux}-defaults-0; }
 
 methods() {
   local all=ours,ours-no-proposals,dropgaussian,cor-gs,fsgs,sparsegs,comapgs,dngaussian,3dgs-mcmc,3dgs,3dgs-mcmc-random
-  compare() { # SCENE OPTIONS...
-    "$bin/oraclegs" bench --suite "$data/$1" -o "$out/methods-$1" --threads 1 --methods "$all" --quiet "${@:2}" >&2
-    cat "$out/methods-$1/bench.md"
-  }
-  compare fox --views 12 --downscale 4
-  compare lego --background white --downscale 2
-  compare sceaux --test-views 7103,7107 --downscale 8
+  "$here/bench/suite.py" "$data" "$out/methods" --scenes fox-12,lego-8,sceaux-9 --methods "$all" --options "--threads 1"
 }
 
 parts() {
