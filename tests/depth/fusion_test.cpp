@@ -61,12 +61,28 @@ TEST(FuseDepth, SkipsUnconfidentPixels) {
   EXPECT_TRUE(FuseDepth({}, {}, {}).empty());
 }
 
+/// As many maps of ten pixels, of which so many are confident.
+std::vector<DepthMap> MapsOf(size_t views, int confident) {
+  DepthMap map;
+  for (int i = 0; i < 10; ++i) map.inv_depth.push_back(1), map.confidence.push_back(i < confident ? 0.6f : 0.3f);
+  return std::vector<DepthMap>(views, map);
+}
+
 TEST(ConfidenceOfPoints, GrowsWithTheViewsThatCanAgree) {
-  EXPECT_FLOAT_EQ(ConfidenceOfPoints(2), 0.2f);
-  EXPECT_FLOAT_EQ(ConfidenceOfPoints(6), 0.2f);
-  EXPECT_FLOAT_EQ(ConfidenceOfPoints(7), 0.35f);
-  EXPECT_FLOAT_EQ(ConfidenceOfPoints(8), kConfident);
-  EXPECT_FLOAT_EQ(ConfidenceOfPoints(300), kConfident);
+  EXPECT_FLOAT_EQ(ConfidenceOfPoints(MapsOf(2, 5)), 0.2f);
+  EXPECT_FLOAT_EQ(ConfidenceOfPoints(MapsOf(6, 5)), 0.2f);
+  EXPECT_FLOAT_EQ(ConfidenceOfPoints(MapsOf(7, 5)), 0.35f);
+  EXPECT_FLOAT_EQ(ConfidenceOfPoints(MapsOf(8, 5)), kConfident);
+  EXPECT_FLOAT_EQ(ConfidenceOfPoints(MapsOf(40, 5)), kConfident);
+}
+
+TEST(ConfidenceOfPoints, IsNotLowWhereHardlyAnythingIsSure) {
+  EXPECT_EQ(ConfidenceOfPoints(MapsOf(3, 1)), kConfident);
+  EXPECT_LT(ConfidenceOfPoints(MapsOf(3, 2)), kConfident);
+  std::vector<DepthMap> maps = MapsOf(2, 2);
+  maps.emplace_back();  // not looked for
+  EXPECT_LT(ConfidenceOfPoints(maps), kConfident);
+  EXPECT_EQ(ConfidenceOfPoints({}), kConfident);
 }
 
 TEST(FuseDepth, SeparatesDepths) {

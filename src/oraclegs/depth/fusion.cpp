@@ -17,6 +17,7 @@ constexpr float kSameSide = 0.2f;     // cosine between normals
 constexpr float kDetailRange = 0.1f;  // change of luma over two pixels that counts as full detail
 constexpr float kFlatShare = 0.1f;    // of the draws where nothing changes
 constexpr float kOfFewViews = 0.2f;   // confidence
+constexpr double kSureShare = 0.1;    // of the pixels
 
 /// Change of luma over two pixels, relative to kDetailRange, at most 1.
 std::vector<float> DetailOf(const ImageF& rgb) {
@@ -155,9 +156,12 @@ class Fusion {
 
 }  // namespace
 
-float ConfidenceOfPoints(size_t views) {
+float ConfidenceOfPoints(const std::vector<DepthMap>& maps) {
   constexpr float kFew = 6, kMany = 8;
-  const float share = std::clamp((static_cast<float>(views) - kFew) / (kMany - kFew), 0.f, 1.f);
+  double sure = 0, searched = 0;
+  for (const DepthMap& map : maps) sure += ConfidentShare(map), searched += map.size() > 0 ? 1 : 0;
+  if (!(sure > kSureShare * searched)) return kConfident;
+  const float share = std::clamp((static_cast<float>(maps.size()) - kFew) / (kMany - kFew), 0.f, 1.f);
   return kOfFewViews + share * (kConfident - kOfFewViews);
 }
 

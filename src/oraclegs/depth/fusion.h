@@ -20,10 +20,11 @@ struct DensePoint {
   int views = 1;           ///< number of views that show it
 };
 
-/// Least confidence of a pixel that makes a point, where there are so many views: 0.2 of six or fewer, kConfident
-/// from eight on, and halfway of seven. Confidence counts the views that agree, of which few views have few; and a
-/// wrong point, which training can move, harms them less than a hole, which it cannot fill.
-float ConfidenceOfPoints(size_t views);
+/// Least confidence of a pixel that makes a point: 0.2 of six views or fewer, kConfident from eight on, and halfway of
+/// seven. Confidence counts the views that agree, of which few views have few; and a wrong point, which training can
+/// move, harms them less than a hole, which it cannot fill. kConfident, too, where a tenth of the pixels or less are
+/// confident: the others are chance there.
+float ConfidenceOfPoints(const std::vector<DepthMap>& maps);
 
 struct FusionOptions {
   float min_confidence = kConfident;

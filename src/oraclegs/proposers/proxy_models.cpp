@@ -68,7 +68,7 @@ Geometry GeometryWithout(const Geometry& all, const std::vector<LoadedView>& sho
   rest.maps = Without(all.maps, held_out);
   rest.gains = Without(all.gains, held_out);
   FusionOptions fusion = FusionOf(rest.gains);
-  fusion.min_confidence = ConfidenceOfPoints(all.maps.size());  // all views took part in the maps
+  fusion.min_confidence = ConfidenceOfPoints(all.maps);  // all views took part in these
   rest.points = FuseDepth(rest.maps, shown, fusion);
   return rest;
 }

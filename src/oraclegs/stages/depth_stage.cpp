@@ -66,7 +66,8 @@ Geometry ReadGeometry(const Run& run, const std::vector<LoadedView>& views) {
   Geometry geometry;
   geometry.maps = ReadBack(run, views);
   geometry.gains = EstimateGains(geometry.maps, views);
-  const FusionOptions options = FusionOf(geometry.gains);
+  FusionOptions options = FusionOf(geometry.gains);
+  options.min_confidence = ConfidenceOfPoints(geometry.maps);
   geometry.points = FuseDepth(geometry.maps, views, options);
   if (geometry.points.size() >= kMinDensePoints) return geometry;
   const std::vector<DensePoint> more = PriorPoints(geometry.maps, views, geometry.points, options);

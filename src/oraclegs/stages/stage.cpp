@@ -53,7 +53,6 @@ bool Geometry::HasVariedExposure() const { return ExposureSpread(gains) > kVarie
 
 FusionOptions FusionOf(const std::vector<Eigen::Vector3f>& gains) {
   FusionOptions options;
-  options.min_confidence = ConfidenceOfPoints(gains.size());
   if (ExposureSpread(gains) > kVariedExposure) options.gains = gains;
   return options;
 }
