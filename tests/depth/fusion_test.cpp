@@ -83,6 +83,8 @@ TEST(ConfidenceOfPoints, IsNotLowWhereHardlyAnythingIsSure) {
   maps.emplace_back();  // not looked for
   EXPECT_LT(ConfidenceOfPoints(maps), kConfident);
   EXPECT_EQ(ConfidenceOfPoints({}), kConfident);
+  maps.front().monocular = true;
+  EXPECT_EQ(ConfidenceOfPoints(maps), kConfident) << "a network's depth is at most this sure";
 }
 
 TEST(FuseDepth, SeparatesDepths) {

@@ -159,7 +159,10 @@ class Fusion {
 float ConfidenceOfPoints(const std::vector<DepthMap>& maps) {
   constexpr float kFew = 6, kMany = 8;
   double sure = 0, searched = 0;
-  for (const DepthMap& map : maps) sure += ConfidentShare(map), searched += map.size() > 0 ? 1 : 0;
+  for (const DepthMap& map : maps) {
+    if (map.monocular) return kConfident;
+    sure += ConfidentShare(map), searched += map.size() > 0 ? 1 : 0;
+  }
   if (!(sure > kSureShare * searched)) return kConfident;
   const float share = std::clamp((static_cast<float>(maps.size()) - kFew) / (kMany - kFew), 0.f, 1.f);
   return kOfFewViews + share * (kConfident - kOfFewViews);

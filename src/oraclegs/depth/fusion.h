@@ -21,9 +21,9 @@ struct DensePoint {
 };
 
 /// Least confidence of a pixel that makes a point: 0.2 of six views or fewer, kConfident from eight on, and halfway of
-/// seven. Confidence counts the views that agree, of which few views have few; and a wrong point, which training can
-/// move, harms them less than a hole, which it cannot fill. kConfident, too, where a tenth of the pixels or less are
-/// confident: the others are chance there.
+/// seven. Confidence counts the views that agree, of which few have few, and a wrong point, which training can move,
+/// harms less than a hole, which it cannot fill. kConfident, too, where a tenth of the pixels or less are confident
+/// (the others are chance there), and with a network's depth, which makes points of its own (PriorPoints).
 float ConfidenceOfPoints(const std::vector<DepthMap>& maps);
 
 struct FusionOptions {
