@@ -51,6 +51,13 @@ TEST(WithSize, TrainsFewPhotosForLess) {
             WithSize({}, kPhones, {false}).train.iterations.value());
 }
 
+TEST(WithSize, TakesFewerGaussiansThanPixelsThatTeachThem) {
+  for (const bool gpu : {false, true}) {
+    EXPECT_EQ(WithSize({}, {3, {400, 300}}, {gpu}).train.max_gaussians, 35000) << "a tenth of the pixels";
+    EXPECT_EQ(WithSize({}, {3, {64, 48}}, {gpu}).train.max_gaussians, 5000);
+  }
+}
+
 TEST(WithSize, LeavesWhatTheUserSet) {
   RunOptions asked;
   asked.image.max_size = 0, asked.train.iterations = 70, asked.train.max_gaussians = 500;
