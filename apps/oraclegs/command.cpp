@@ -211,16 +211,12 @@ std::string SummaryOf(const nlohmann::json& metrics, const std::filesystem::path
     const std::string psnr = Number(test.at("psnr"), " dB"), ssim = Number(test.at("ssim"), ""),
                       corrected = Number(test.value("psnr_color_corrected", nlohmann::json()), " dB"),
                       views = Counted(test.at("views").size(), "view");
-    std::error_code ignored;
-    const bool mean_exposure =
-        !workspace.empty() && std::filesystem::exists(WorkspacePaths(workspace).exposures(), ignored);
-    text = mean_exposure
-               ? fmt::format(
-                     "test       PSNR {} after color correction, SSIM {}, mean of {}; {} without: the splat has the "
-                     "photos' mean exposure, so brighter and darker photos score lower\n",
-                     corrected, ssim, views, psnr)
-               : fmt::format("test       PSNR {}, SSIM {}, mean of {} (PSNR after color correction {})\n", psnr, ssim,
-                             views, corrected);
+    const nlohmann::json plain = test.value("psnr_mean_exposure", nlohmann::json());
+    const std::string in_mean =
+        plain.is_null() ? ""
+                        : fmt::format(", in the photos' mean exposure, which the splat has, {}", Number(plain, " dB"));
+    text = fmt::format("test       PSNR {}, SSIM {}, mean of {} (PSNR after color correction {}{})\n", psnr, ssim,
+                       views, corrected, in_mean);
   }
   text += fmt::format("model      {} Gaussians", metrics.at("gaussians").get<int64_t>());
   if (metrics.contains("train")) {

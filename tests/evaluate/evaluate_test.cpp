@@ -93,6 +93,21 @@ TEST(Evaluate, AveragesViewsAndHonorsMasks) {
   EXPECT_GT(metrics.psnr_color_corrected, metrics.psnr);
 }
 
+TEST(Evaluate, ScoresRendersAsExposed) {
+  const Gaussians g = RedBlob();
+  Buffer<float> brighter = Rendered(g);
+  for (float& value : brighter.span()) value *= 1.25f;
+  EvaluateExtras extras;
+  extras.expose = [](size_t view, const Buffer<float>& render) {
+    EXPECT_EQ(view, 0u);
+    for (float& value : render.span()) value *= 1.25f;
+  };
+  const TestMetrics metrics = Evaluate(g, {ViewOf("a.png", brighter)}, kOnGray, extras, Silent());
+  EXPECT_TRUE(std::isinf(metrics.psnr));
+  EXPECT_NEAR(metrics.more.at("psnr_mean_exposure"), Psnr(Quantized(Rendered(g)), Quantized(brighter)), 1e-9);
+  EXPECT_EQ(metrics.conventions.count("psnr_mean_exposure"), 1u);
+}
+
 TEST(Evaluate, WarnsOfAFullyMaskedViewAndDoesNotScoreIt) {
   const Gaussians g = RedBlob();
   LoadedView masked = ViewOf("nothing.png", Rendered(g));

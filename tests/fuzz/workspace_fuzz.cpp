@@ -8,6 +8,7 @@
 #include "oraclegs/settings/named_options.h"
 #include "oraclegs/settings/run_size.h"
 #include "oraclegs/stages/metrics.h"
+#include "oraclegs/stages/train_inputs.h"
 #include "oraclegs/workspace/advice.h"
 #include "oraclegs/workspace/frame_file.h"
 #include "oraclegs/workspace/non_commercial.h"
@@ -39,6 +40,7 @@ ORACLEGS_FUZZ_TARGET(workspace) {
   });
   fuzz::Try([&] { ReadFrame(dir / "frame.json"); });
   fuzz::Try([&] { ReadMetrics(dir); });
+  fuzz::Try([&] { ReadExposures(dir / "metrics.json", {"a"}); });
   fuzz::Try([&] { PhotoAdvice(dir, 5); });
   fuzz::Try([&] { CurvesToJson(ReadCurves(dir / "train.csv")); });
 }

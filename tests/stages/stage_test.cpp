@@ -42,7 +42,7 @@ TEST(LargerViews, AreReadWhereTheWorkingSizeHasTooFewPixels) {
 TEST(Geometry, FreesColorsOfExposuresThatVary) {
   Geometry geometry;
   EXPECT_FALSE(geometry.HasVariedExposure());
-  geometry.gains.assign(4, Eigen::Vector3f::Constant(1.01f));
+  geometry.gains.assign(4, Eigen::Vector3f::Ones());
   EXPECT_FALSE(geometry.HasVariedExposure());
   EXPECT_TRUE(FusionOf(geometry.gains).gains.empty());
   geometry.gains[1] = Eigen::Vector3f::Constant(1.5f);

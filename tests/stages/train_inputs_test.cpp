@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "depth/surfaces.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/networks/loader.h"
 #include "run/fixtures.h"
 #include "support/buffers.h"
@@ -92,9 +93,8 @@ TEST(TrainInputs, SayWhatTheTrainingIsSettledFrom) {
   EXPECT_EQ(EvidenceOf(object.training(), {}).photos, 1u);
   Geometry geometry;
   EXPECT_EQ(EvidenceOf(TrainingViews({}), geometry).exposure_spread, 0);
-  geometry.gains.assign(4, Eigen::Vector3f::Constant(1.01f));
-  geometry.gains[3] = Eigen::Vector3f::Constant(1.02f);
-  EXPECT_EQ(EvidenceOf(TrainingViews({}), geometry).exposure_spread, 0) << "they do not really differ";
+  geometry.gains.assign(4, Eigen::Vector3f::Ones());
+  EXPECT_EQ(EvidenceOf(TrainingViews({}), geometry).exposure_spread, 0);
   geometry.gains[1] = Eigen::Vector3f::Constant(1.5f);
   EXPECT_GT(EvidenceOf(TrainingViews({}), geometry).exposure_spread, kVariedExposure);
 }
@@ -111,6 +111,20 @@ TEST(TrainInputs, SaveExposuresByName) {
   const auto json = ExposuresToJson({"a.png"}, {{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}});
   EXPECT_EQ(json.at("a.png").size(), 12u);
   EXPECT_EQ(json.at("a.png").at(7), 7);
+}
+
+TEST(TrainInputs, ReadExposuresBackInTheOrderOfNames) {
+  const TempDir temp;
+  const ExposureMap a = {1.5f, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, b = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -0.25f};
+  WriteFileAtomically(temp / "exposures.json", ExposuresToJson({"a.png", "b.png"}, {a, b}).dump());
+  EXPECT_EQ(ReadExposures(temp / "exposures.json", {"b.png", "a.png"}), (std::vector<ExposureMap>{b, a}));
+  EXPECT_EQ(MessageOf<InputError>([&] { ReadExposures(temp / "exposures.json", {"c.png"}); }),
+            (temp / "exposures.json").string() +
+                ": holds no color map of c.png; delete it and run `oraclegs reconstruct` again");
+  for (const char* text : {"", "[]", R"({"a.png": [1, 2]})", R"({"a.png": [1,2,3,4,5,6,7,8,9,10,11,"12"]})"}) {
+    WriteFileAtomically(temp / "damaged.json", text);
+    EXPECT_THROW(ReadExposures(temp / "damaged.json", {"a.png"}), InputError) << text;
+  }
 }
 
 TEST(NetworkPseudoDepth, IsWhatTheNetworkSeesInTheRender) {

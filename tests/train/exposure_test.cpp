@@ -29,6 +29,44 @@ Buffer<float> Applied(const Exposures& exposures, int view, const Buffer<float>&
   return shown;
 }
 
+Camera Beside(double x) {
+  Camera camera{10, 10, 10, 10, 5, 5};
+  camera.cam_from_world.translation() = Eigen::Vector3d(-x, 0, 4);
+  return camera;
+}
+
+TEST(ExposureAt, IsThatOfThePhotosNearBy) {
+  const std::vector<Camera> photos = {Beside(0), Beside(1), Beside(2), Beside(9)};
+  const std::vector<ExposureMap> maps = {Gain(1), Gain(1.2f), Gain(0.8f), Gain(0.1f)};
+  EXPECT_EQ(ExposureAt(photos[1], photos, maps), maps[1]) << "its own";
+  EXPECT_NEAR(ExposureAt(Beside(0.5), photos, maps)[0], 1.1, 1e-3) << "as far from both, thrice as far from the next";
+  EXPECT_NEAR(ExposureAt(Beside(1.5), photos, maps)[0], 1.0, 1e-3);
+  EXPECT_NEAR(ExposureAt(Beside(0.9), photos, maps)[0], 1.0966, 1e-3);  // weights exp(-1), exp(-1/81), exp(-121/81)
+}
+
+TEST(ExposureAt, CountsTheTurn) {
+  std::vector<Camera> photos = {Beside(0), Beside(0)};
+  photos[1].cam_from_world.linear() = Eigen::AngleAxisd(1, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  Camera turned = photos[0];
+  turned.cam_from_world.linear() = Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  EXPECT_NEAR(ExposureAt(turned, photos, {Gain(1), Gain(2)})[0], 1.27, 0.02);  // weights 1 and 1 / e
+}
+
+TEST(ExposureAt, OfOnePhotoIsItsOwn) {
+  EXPECT_EQ(ExposureAt(Beside(3), {Beside(0)}, {Gain(2)}), Gain(2));
+  EXPECT_THROW(ExposureAt(Beside(3), {}, {}), ShapeError);
+  EXPECT_THROW(ExposureAt(Beside(3), {Beside(0)}, {}), ShapeError);
+}
+
+TEST(ShowThrough, IsTheMapOfEachPixel) {
+  const Buffer<float> image = RandomUniform({5, 4, 3}, 7), before = image.Clone();
+  ShowThrough({2, 0, 0, 0.5f, 0, 1, 0, 0, 0, 0, 1, 0}, image);
+  for (int64_t i = 0; i < image.count(); i += 3) {
+    EXPECT_FLOAT_EQ(image[i], 2 * before[i] + 0.5f);
+    EXPECT_FLOAT_EQ(image[i + 1], before[i + 1]);
+  }
+}
+
 TEST(ExposuresTest, TheIdentityChangesNoBit) {
   const Buffer<float> image = RandomUniform({31, 17, 3}, 102);
   const Exposures exposures({kIdentityExposure, kIdentityExposure});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 
 #include "oraclegs/core/error.h"
@@ -14,6 +15,8 @@
 
 namespace oraclegs {
 namespace {
+
+constexpr char kMeanExposureScore[] = "psnr_mean_exposure";
 
 /// The view's mask [H,W] of 0 and 1, undefined when it has none.
 Buffer<float> MaskOf(const LoadedView& view) {
@@ -83,15 +86,25 @@ TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<LoadedView>& 
   const ImageScores scores = Usable(extras.scores, views, listener);
   TestMetrics metrics;
   metrics.conventions = scores.conventions;
+  if (extras.expose) metrics.conventions[kMeanExposureScore] = "PSNR of renders in the mean exposure of the photos";
   for (size_t i = 0; i < views.size(); ++i) {
     ThrowIfInterrupted();
     const LoadedView& view = views[i];
     const RenderOutput out = rasterizer->Forward(gaussians, view.camera, options, RenderPass::kInference);
-    const Buffer<float> render = Quantized(out.image.To(kCpu)), truth = Quantized(ToBuffer(view.rgb));
+    const Buffer<float> truth = Quantized(ToBuffer(view.rgb));
+    Buffer<float> render = Quantized(out.image.To(kCpu));
+    std::optional<double> psnr_mean_exposure;
+    if (extras.expose) {
+      if (!CountsNowhere(view)) psnr_mean_exposure = Psnr(render, truth, MaskOf(view));
+      Buffer<float> shown = out.image.To(kCpu).Clone();
+      extras.expose(i, shown);
+      render = Quantized(shown);
+    }
     if (CountsNowhere(view)) {
       listener(Warning{fmt::format("{} is masked out completely and is not scored", view.name)});
     } else {
       metrics.views.push_back(Score(view, render, truth, scores));
+      if (psnr_mean_exposure) metrics.views.back().more[kMeanExposureScore] = *psnr_mean_exposure;
     }
     if (!extras.renders.empty()) {
       WritePng(extras.renders / (files[i] + ".png"), ToImage8(render));

@@ -30,6 +30,10 @@ struct EvaluateExtras {
 
   std::filesystem::path renders;  ///< receives NAME.png and NAME_gt.png (see ImageNames); empty = nothing is written
   ImageScores scores;
+  /// Brings the render of a view, [H,W,3] in [0,1] on the host, to the exposure that a photo there is expected to have,
+  /// in place; empty = renders are scored as they are. With it, the PSNR without is "psnr_mean_exposure" in
+  /// ViewMetrics::more.
+  std::function<void(size_t view, const Buffer<float>& render)> expose = {};
 };
 
 struct ViewMetrics {

@@ -13,12 +13,12 @@ const std::vector<Stage>& Stages() {
       {"register", 2, {}, RegisterStage()},  // cameras of photos without poses
       {"sfm", 1, {"register"}, SfmStage()},
       {"poses", 1, {"sfm"}, PosesStage()},
-      {"depth", 6, {"sfm", "poses"}, DepthStage()},
+      {"depth", 7, {"sfm", "poses"}, DepthStage()},
       {"proxies", 1, {"depth"}, ProxyStage()},
       {"propose", 2, {"depth", "proxies"}, ProposeStage()},
       {"validate", 4, {"propose"}, ValidateStage()},
       {"train", 1, {"sfm", "depth", "validate"}, TrainStage()},
-      {"evaluate", 1, {"train"}, EvaluateStage()},
+      {"evaluate", 2, {"train"}, EvaluateStage()},
       {"report", 1, {"evaluate"}, ReportStage()},
   };
   return stages;

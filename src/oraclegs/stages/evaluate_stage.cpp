@@ -15,6 +15,7 @@
 #include "oraclegs/stages/perceptual.h"
 #include "oraclegs/stages/stage_clock.h"
 #include "oraclegs/stages/stage_seconds.h"
+#include "oraclegs/stages/train_inputs.h"
 #include "oraclegs/workspace/non_commercial.h"
 
 namespace oraclegs {
@@ -28,7 +29,23 @@ void AddEvaluateKey(Run* run, Fingerprint* key) {
   key->Add(run->files.OfAll(run->plan.lpips)).Add(ShapingOptionsToJson(run->options).dump());
   key->Add(ViewsKey(run, ScoredViews(run->split), run->plan.image));
   std::error_code ignored;
-  if (fs::exists(run->workspace.point_cloud(), ignored)) key->AddFile(run->workspace.point_cloud());
+  for (const fs::path& file : {run->workspace.point_cloud(), run->workspace.exposures()}) {
+    if (fs::exists(file, ignored)) key->AddFile(file);
+  }
+}
+
+/// Function that brings a render of each view to the exposure that photos near by have; empty where exposures were not
+/// learned.
+std::function<void(size_t, const Buffer<float>&)> ExposureOfPlaces(const Run& run,
+                                                                   const std::vector<LoadedView>& views) {
+  const fs::path file = run.workspace.exposures();
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) return {};
+  const std::vector<Camera> photos = WorkingCameras(run.scene, run.split.train, run.plan.image);
+  const std::vector<ExposureMap> maps = ReadExposures(file, NamesAt(run.scene, run.split.train));
+  std::vector<ExposureMap> of_views;
+  for (const LoadedView& view : views) of_views.push_back(ExposureAt(view.camera, photos, maps));
+  return [of_views](size_t view, const Buffer<float>& render) { ShowThrough(of_views[view], render); };
 }
 
 void UndoEvaluate(Run* run, const nlohmann::json&) {
@@ -53,7 +70,9 @@ std::optional<nlohmann::json> MakeEvaluate(Run* run, const std::string&) {
   }
   const std::vector<LoadedView>& views = held_out ? tests : ViewsOf(run).views;
   const fs::path renders = workspace.renders(held_out ? "test" : "train");
-  nlohmann::json scores = ScoreModel(model, views, renders, run->plan.lpips, run->listener);
+  EvaluateExtras extras(renders, LpipsScores(run->plan.lpips, model.gaussians.means.device(), run->listener));
+  extras.expose = ExposureOfPlaces(*run, views);
+  nlohmann::json scores = ToJson(Evaluate(model.gaussians, views, model.render, extras, run->listener));
   nlohmann::json record = {{"test", held_out ? scores : ScoreModel(model, {}, {}, {}, Silent())},
                            {"gaussians", model.gaussians.size()},
                            {"peak_memory_bytes", PeakMemoryBytes()},

@@ -49,11 +49,11 @@ const Stage& StageNamed(const std::vector<Stage>& stages, const std::string& nam
   throw RunError("there is no stage {}", name);
 }
 
-bool Geometry::HasVariedExposure() const { return ExposureSpread(gains) > kVariedExposure; }
+bool Geometry::HasVariedExposure() const { return ExposureSpread(gains) > 0; }
 
 FusionOptions FusionOf(const std::vector<Eigen::Vector3f>& gains) {
   FusionOptions options;
-  if (ExposureSpread(gains) > kVariedExposure) options.gains = gains;
+  if (ExposureSpread(gains) > 0) options.gains = gains;
   return options;
 }
 

@@ -28,8 +28,8 @@
 namespace oraclegs {
 
 /// Exposures that spread by more than this (ExposureSpread) really differ, and are learned by --exposure auto. Gloss
-/// and shadow alone make 0.07 of images of one exposure (lego); a phone that holds its exposure 0.10 (fox).
-inline constexpr double kVariedExposure = 0.15;
+/// and shadow alone make 0.07 of images of one exposure (lego); a phone makes 0.10 (fox).
+inline constexpr double kVariedExposure = 0.08;
 
 /// The depth of the training views, from stereo, a network or both (--depth-prior).
 struct Geometry {
@@ -37,7 +37,7 @@ struct Geometry {
   /// Fused; in the mean exposure of the images where exposures vary. With what a network predicts where confident
   /// pixels give few.
   std::vector<DensePoint> points;
-  std::vector<Eigen::Vector3f> gains;  ///< gains of the images' exposures (depth/gains.h)
+  std::vector<Eigen::Vector3f> gains;  ///< of the images' exposures (depth/gains.h); all 1 where these do not vary
 
   bool HasVariedExposure() const;
 };

@@ -1,10 +1,15 @@
 #include "oraclegs/stages/train_inputs.h"
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <utility>
 
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/unique_json.h"
 #include "oraclegs/depth/gains.h"
 #include "oraclegs/networks/loader.h"
 #include "oraclegs/propose/warp.h"
@@ -13,6 +18,8 @@
 
 namespace oraclegs {
 namespace {
+
+constexpr double kLargestExposure = 1e6;  // of a number in a color map
 
 Buffer<float> ToMap(const std::vector<float>& values, const Camera& camera) {
   return Buffer<float>::From({camera.height, camera.width}, std::span<const float>(values));
@@ -92,7 +99,7 @@ struct OwnWarper {
 
 TrainEvidence EvidenceOf(const TrainingViews& training, const Geometry& geometry) {
   return {.is_object = !training.silhouettes.empty(),
-          .exposure_spread = geometry.HasVariedExposure() ? ExposureSpread(geometry.gains) : 0,
+          .exposure_spread = ExposureSpread(geometry.gains),
           .photos = training.views.size()};
 }
 
@@ -131,6 +138,25 @@ nlohmann::json ExposuresToJson(const std::vector<std::string>& names, const std:
   nlohmann::json json = nlohmann::json::object();
   for (size_t v = 0; v < names.size(); ++v) json[names[v]] = exposures[v];
   return json;
+}
+
+std::vector<ExposureMap> ReadExposures(const std::filesystem::path& file, const std::vector<std::string>& names) {
+  const nlohmann::json json = ParseJsonOrDiscard(ReadFile(file));
+  std::vector<ExposureMap> maps;
+  for (const std::string& name : names) {
+    const auto found = json.is_object() ? json.find(name) : json.end();
+    const bool fits = json.is_object() && found != json.end() && found->is_array() &&
+                      found->size() == kIdentityExposure.size() &&
+                      std::all_of(found->begin(), found->end(), [](const auto& value) {
+                        return value.is_number() && std::abs(value.template get<double>()) < kLargestExposure;
+                      });
+    if (!fits) {
+      throw InputError("{}: holds no color map of {}; delete it and run `oraclegs reconstruct` again", file.string(),
+                       name);
+    }
+    maps.push_back(found->get<ExposureMap>());
+  }
+  return maps;
 }
 
 PseudoDepth NetworkPseudoDepth(const std::filesystem::path& weights, Device device, const Listener& listener) {

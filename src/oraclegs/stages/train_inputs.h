@@ -34,6 +34,9 @@ std::vector<TrainView> TakeTrainViews(TrainingViews* training, Geometry* geometr
 
 /// {"NAME": [12 numbers, the 3x4 color map row by row]} of trained exposures.
 nlohmann::json ExposuresToJson(const std::vector<std::string>& names, const std::vector<ExposureMap>& exposures);
+/// Reads them back from a run's exposures.json, in the order of `names`. Throws InputError naming the file when it is
+/// damaged or lacks one.
+std::vector<ExposureMap> ReadExposures(const std::filesystem::path& file, const std::vector<std::string>& names);
 
 // Where the depth of pseudo views comes from in a run (baselines/baseline_setup.h): a network where there is one, else
 // stereo.

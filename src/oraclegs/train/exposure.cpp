@@ -1,7 +1,9 @@
 #include "oraclegs/train/exposure.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "oraclegs/camera/scene_bounds.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/train/exposure_math.h"
 #include "oraclegs/train/train_math.h"
@@ -16,7 +18,45 @@ void RequirePair(const char* who, const Buffer<float>& image, const Buffer<float
   RequireShape(who, "its partner", other, {image.size(0), image.size(1), 3});
 }
 
+/// Writes A in + b to `out`, pixel by pixel; they may be one.
+void ShowPixels(const ExposureMap& map, const float* in, int64_t pixels, float* out) {
+  ParallelBlocks(pixels, kExposureGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t i = 3 * begin; i < 3 * end; i += 3) ShowPixel(map.data(), in + i, out + i);
+  });
+}
+
 }  // namespace
+
+ExposureMap ExposureAt(const Camera& camera, const std::vector<Camera>& photos, const std::vector<ExposureMap>& maps) {
+  if (photos.empty() || maps.size() != photos.size()) {
+    throw ShapeError("ExposureAt: {} maps of {} photos", maps.size(), photos.size());
+  }
+  const double ball = LookedAt(photos).radius, radius = ball > 0 ? ball : 1;
+  std::vector<double> distances;
+  for (const Camera& photo : photos) {
+    distances.push_back((photo.Center() - camera.Center()).norm() / radius + TurnBetween(photo, camera));
+  }
+  std::vector<double> order = distances;
+  std::sort(order.begin(), order.end());
+  if (!(order.front() > 0) || order.size() == 1) {
+    return maps[static_cast<size_t>(std::min_element(distances.begin(), distances.end()) - distances.begin())];
+  }
+  double sum = 0;
+  std::array<double, 12> mean{};
+  for (size_t k = 0; k < maps.size(); ++k) {
+    const double weight = std::exp(-std::pow(distances[k] / order[1], 2));
+    for (size_t i = 0; i < mean.size(); ++i) mean[i] += weight * static_cast<double>(maps[k][i]);
+    sum += weight;
+  }
+  ExposureMap map;
+  for (size_t i = 0; i < mean.size(); ++i) map[i] = static_cast<float>(mean[i] / sum);
+  return map;
+}
+
+void ShowThrough(const ExposureMap& map, const Buffer<float>& image) {
+  RequireShape("ShowThrough", "image", image, {-1, -1, 3});
+  ShowPixels(map, image.data(), image.count() / 3, image.data());
+}
 
 Exposures::Exposures(std::vector<ExposureMap> start) {
   if (start.empty()) throw ShapeError("Exposures: there is no photo");
@@ -33,12 +73,7 @@ Exposures::Exposures(std::vector<ExposureMap> start) {
 
 void Exposures::Apply(int view, const Buffer<float>& image, const Buffer<float>& shown) const {
   RequirePair("Exposures::Apply", image, shown);
-  const ExposureMap& a = state_.maps[view];
-  const float* in = image.data();
-  float* out = shown.data();
-  ParallelBlocks(image.size(0) * image.size(1), kExposureGrain, [&](int64_t begin, int64_t end) {
-    for (int64_t i = 3 * begin; i < 3 * end; i += 3) ShowPixel(a.data(), in + i, out + i);
-  });
+  ShowPixels(state_.maps[view], image.data(), image.size(0) * image.size(1), shown.data());
 }
 
 ExposureGradient Exposures::Backward(int view, const Buffer<float>& image, const Buffer<float>& grad) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "oraclegs/camera/camera.h"
 #include "oraclegs/core/buffer.h"
 #include "oraclegs/train/constants.h"
 
@@ -14,6 +15,15 @@ namespace oraclegs {
 /// shown = A rendered + b: the 3x4 matrix [A b], row by row.
 using ExposureMap = std::array<float, 12>;
 inline constexpr ExposureMap kIdentityExposure = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+
+/// The map that a photo taken by `camera` would have: the mean of the photos' maps with weights exp(-s^2), s the
+/// distance to a photo in units of that to the second nearest one. Distances are those of centers, in radii of the ball
+/// that the photos look at, plus the angle between the rotations. A photo's own place has its own map. `maps`
+/// correspond to `photos`, of which there is at least one.
+ExposureMap ExposureAt(const Camera& camera, const std::vector<Camera>& photos, const std::vector<ExposureMap>& maps);
+
+/// Replaces an image, [H,W,3] on the host, by what it shows through a map: A rgb + b.
+void ShowThrough(const ExposureMap& map, const Buffer<float>& image);
 
 /// dL/d(map), in the map's layout.
 using ExposureGradient = std::array<double, 12>;

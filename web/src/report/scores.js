@@ -4,17 +4,17 @@ import {bytes, duration, number, percent} from '../shared/format.js';
 import {table} from './table.js';
 
 const SCORES = [
-  ['psnr', 'PSNR', 2, 'dB'], ['psnr_color_corrected', 'PSNR, color-corrected', 2, 'dB'], ['ssim', 'SSIM', 3, ''], ['lpips', 'LPIPS', 3, '']];
+  ['psnr', 'PSNR', 2, 'dB'], ['psnr_color_corrected', 'PSNR, color-corrected', 2, 'dB'], ['ssim', 'SSIM', 3, ''], ['lpips', 'LPIPS', 3, ''],
+  ['psnr_mean_exposure', 'PSNR, mean exposure', 2, 'dB']];
 
 export function scores(run) {
   const views = (run.views ?? []).filter((view) => view.role === 'test' && SCORES.some(([key]) => Number.isFinite(view[key])));
-  const order = run.mean_exposure ? [SCORES[1], SCORES[0], ...SCORES.slice(2)] : SCORES;
-  const means = order.filter(([key]) => Number.isFinite(run.scores?.[key]));
+  const means = SCORES.filter(([key]) => Number.isFinite(run.scores?.[key]));
   if (views.length === 0 && means.length === 0) return null;
-  const columns = order.filter(([key]) => views.some((view) => Number.isFinite(view[key])));
+  const columns = SCORES.filter(([key]) => views.some((view) => Number.isFinite(view[key])));
   return h('div', {},
     h('p', {class: 'lead'}, 'Measured on photos that were held out of training. Higher PSNR and SSIM are better, lower LPIPS is better.',
-      run.mean_exposure && ' The splat has the mean exposure of the photos, so that brighter and darker ones score lower without color correction.'),
+      run.mean_exposure && ' The splat has the mean exposure of the photos; a view is scored in that of the photos near it.'),
     figures(means.map(([key, name, digits, unit]) => [number(run.scores[key], digits), unit, name])),
     views.length > 0 && h('div', {class: 'card'}, table(views, [
       {name: 'View', value: (view) => view.name},

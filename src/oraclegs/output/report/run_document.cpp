@@ -180,7 +180,7 @@ void AddScores(const json& metrics, json* views) {
   for (const json& scored : metrics.at("test").value("views", json::array())) {
     for (json& row : *views) {
       if (row["role"] != "test" || row["name"] != scored["name"]) continue;
-      for (const char* score : {"psnr", "ssim", "lpips", "psnr_color_corrected"}) {
+      for (const char* score : {"psnr", "ssim", "lpips", "psnr_color_corrected", "psnr_mean_exposure"}) {
         if (scored.contains(score) && scored[score].is_number())
           row[score] = scored[score];  // an infinite score is null
       }
