@@ -24,16 +24,17 @@ TEST(SettleSfmPoints, TakesTheModelsWhereAllViewsTrain) {
 
 TEST(SettleTargets, AsksProxyModelsForMore) {
   TrajectoryOptions asked;
-  EXPECT_EQ(SettleTargets(asked, true, 1).count, 96);
-  const TargetPlan usual = SettleTargets(asked, false, 1);
+  EXPECT_EQ(SettleTargets(asked, true, {12, 1}).count, 96);
+  const TargetPlan usual = SettleTargets(asked, false, {12, 1});
   EXPECT_EQ(usual.count, 32);
   EXPECT_EQ(usual.trajectory, Trajectory::kDataset);
   EXPECT_TRUE(usual.or_coverage);
-  EXPECT_EQ(SettleTargets(asked, true, 0.9 * kMinOpenness).count, 0) << "nothing is open";
+  EXPECT_EQ(SettleTargets(asked, true, {6, 0.9 * kMinOpenness}).count, 0) << "nothing is open";
+  EXPECT_EQ(SettleTargets(asked, true, {5, 0.9 * kMinOpenness}).count, 96) << "few photos always leave something open";
   asked.proposals = 5, asked.trajectory = Trajectory::kDataset;
-  EXPECT_EQ(SettleTargets(asked, true, 1).count, 5);
-  EXPECT_EQ(SettleTargets(asked, true, 0).count, 5);
-  EXPECT_FALSE(SettleTargets(asked, true, 1).or_coverage) << "asked for, however few there are";
+  EXPECT_EQ(SettleTargets(asked, true, {12, 1}).count, 5);
+  EXPECT_EQ(SettleTargets(asked, true, {12, 0}).count, 5);
+  EXPECT_FALSE(SettleTargets(asked, true, {12, 1}).or_coverage) << "asked for, however few there are";
 }
 
 TEST(SettleProxyFinish, IsLongerForAnObject) {

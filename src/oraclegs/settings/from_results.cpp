@@ -68,9 +68,10 @@ SfmPoints SettleSfmPoints(const StartOptions& asked, bool all_train) {
   return asked.sfm_points.ValueOr(all_train ? SfmPoints::kModel : SfmPoints::kTriangulate);
 }
 
-TargetPlan SettleTargets(const TrajectoryOptions& asked, bool proxies_alone, double openness) {
+TargetPlan SettleTargets(const TrajectoryOptions& asked, bool proxies_alone, const PhotosOpenness& found) {
+  const bool train_alone = found.openness < kMinOpenness && found.photos >= kLeastPhotosAlone;
   const int usual = proxies_alone ? kMostProposals : kUsualProposals;
-  return {asked.proposals.ValueOr(openness < kMinOpenness ? 0 : usual), asked.trajectory.ValueOr(Trajectory::kDataset),
+  return {asked.proposals.ValueOr(train_alone ? 0 : usual), asked.trajectory.ValueOr(Trajectory::kDataset),
           asked.trajectory.is_auto()};
 }
 

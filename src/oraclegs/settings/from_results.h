@@ -23,12 +23,19 @@ SfmPoints SettleSfmPoints(const StartOptions& asked, bool all_train);
 
 /// Photos that leave less open than this (Openness) teach all that proposals could.
 inline constexpr double kMinOpenness = 0.3;
+/// Fewer photos than this leave something open however close together they stand.
+inline constexpr int kLeastPhotosAlone = 6;
 
 inline constexpr int kMostProposals = 96;  ///< that are made where nobody says how many
 
-/// --trajectory and --proposals. proxies_alone: nothing but proxy models proposes. openness: Openness of the photos, 1
-/// where a generator that sees anything proposes, too.
-TargetPlan SettleTargets(const TrajectoryOptions& asked, bool proxies_alone, double openness);
+/// Photos that train, and what they leave open.
+struct PhotosOpenness {
+  int photos = 0;
+  double openness = 1;  ///< as Openness; 1 where a generator that sees anything proposes, too
+};
+
+/// --trajectory and --proposals. proxies_alone: nothing but proxy models proposes.
+TargetPlan SettleTargets(const TrajectoryOptions& asked, bool proxies_alone, const PhotosOpenness& found);
 
 /// --set proxy-finish. Few views show each part of an object, so its proxy models learn longer.
 double SettleProxyFinish(const ProposeOptions& asked, bool is_object);

@@ -52,7 +52,7 @@ bool CanPropose(const TrainingViews& training, const Geometry& geometry) {
 TargetPlan TargetPlanOf(const Run& run, bool proxies_alone) {
   const std::vector<Camera> train = WorkingCameras(run.scene, run.split.train, run.plan.image);
   const double openness = AsksGenerator(run) ? 1 : Openness(run.results->geometry.points, train);
-  return SettleTargets(run.options.trajectory, proxies_alone, openness);
+  return SettleTargets(run.options.trajectory, proxies_alone, {static_cast<int>(train.size()), openness});
 }
 
 bool ProxiesAlonePropose(const Run& run) {

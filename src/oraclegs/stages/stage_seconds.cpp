@@ -37,7 +37,8 @@ int ProposalsOf(const EstimateInput& input) {
   const RunOptions& options = input.options;
   if (!ProposesViews(options)) return 0;
   const double openness = input.scene.views > kPhotosThatLeaveLittle ? 0 : 1;
-  const TargetPlan targets = SettleTargets(options.trajectory, options.propose.ByProxiesAlone(), openness);
+  const TargetPlan targets =
+      SettleTargets(options.trajectory, options.propose.ByProxiesAlone(), {input.scene.views, openness});
   const bool has_spare = static_cast<size_t>(input.other_views) >= kMinSpareForDataset;
   const bool at_views = targets.trajectory == Trajectory::kDataset && (has_spare || !targets.or_coverage);
   return at_views ? std::min(targets.count, input.other_views) : targets.count;
