@@ -128,7 +128,9 @@ def verdict(before, after, method):
     whole = statistics.fmean(changes.values())
     scenes = ", ".join(f"{name} {value:+.2f}" for name, value in changes.items())
     pays = "pays" if whole > 0 and not lost else "does not pay" + (f": {', '.join(lost)} lost more than seeds differ" if lost else "")
-    return f"{method}: {whole:+.2f} dB in the mean ({scenes}); it {pays}"
+    once = any(len(of[name][method]) == 1 for of in (before, after) for name in both)
+    doubt = "; of one seed it is unknown how seeds differ" if once else ""
+    return f"{method}: {whole:+.2f} dB in the mean ({scenes}); it {pays}{doubt}"
 
 
 def main():

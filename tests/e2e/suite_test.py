@@ -107,6 +107,10 @@ class Verdict(unittest.TestCase):
         text = suite.verdict({"fox-12": {"ours": runs(27, 28)}}, {"fox-12": {"ours": runs(26.9, 27.9)}}, "ours")
         self.assertEqual(text, "ours: -0.10 dB in the mean (fox-12 -0.10); it does not pay")
 
+    def test_one_seed_is_no_proof(self):
+        text = suite.verdict({"fox-12": {"ours": runs(27, 28)}}, {"fox-12": {"ours": runs(29)}}, "ours")
+        self.assertTrue(text.endswith("it pays; of one seed it is unknown how seeds differ"), text)
+
     def test_without_a_common_scene_nothing_is_said(self):
         self.assertIn("nothing to compare", suite.verdict({}, {"fox-12": {"ours": runs(27)}}, "ours"))
 
