@@ -51,9 +51,10 @@ TEST(WithSize, TrainsFewPhotosForLess) {
             WithSize({}, kPhones, {false}).train.iterations.value());
 }
 
-TEST(WithSize, TakesFewerGaussiansThanPixelsThatTeachThem) {
+TEST(WithSize, TakesAsManyGaussiansAsPhotosHoldInPlace) {
   for (const bool gpu : {false, true}) {
-    EXPECT_EQ(WithSize({}, {3, {400, 300}}, {gpu}).train.max_gaussians, 35000) << "a tenth of the pixels";
+    EXPECT_EQ(WithSize({}, {3, {400, 300}}, {gpu}).train.max_gaussians, 35000) << "a tenth of the pixels of three";
+    EXPECT_EQ(WithSize({}, {6, {400, 200}}, {gpu}).train.max_gaussians, 95000) << "a fifth of those of six";
     EXPECT_EQ(WithSize({}, {3, {64, 48}}, {gpu}).train.max_gaussians, 5000);
   }
 }

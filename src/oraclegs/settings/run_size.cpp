@@ -18,9 +18,10 @@ struct Level {
 constexpr double kUsualViewPixels = 0.75e6, kUsualPixels = 12 * kUsualViewPixels;  // twelve views of 1000 x 750
 constexpr double kMaxIterationFactor = 1.25;
 constexpr double kMaxGaussianFactor = 3;
-// With fewer, Gaussians are left over that one photo alone holds in place: three photos of 250 x 190 are shown best by
-// 15 000 (tried from two pixels on).
-constexpr double kPixelsOfGaussian = 10;
+// Pixels of all photos that a Gaussian takes where there is one photo; of more, each takes as much less. With fewer,
+// Gaussians are left over that one photo alone holds in place: three photos of 250 x 190 are shown best by 15 000,
+// twelve of 135 x 240 by 100 000.
+constexpr double kPixelsOfGaussian = 30;
 constexpr int kGaussianStep = 5000;   // makes round numbers
 constexpr int kFewViews = 8;          // with fewer views long training overfits
 constexpr double kShareOfGpu = 0.85;  // of its free memory; the rest is for what is not counted
@@ -46,9 +47,11 @@ double PixelsOfView(const SceneSize& scene, const ImageOptions& image) {
 
 int Rounded(double value, int step) { return static_cast<int>(std::lround(value / step)) * step; }
 
-int GaussiansFor(double pixels, int usual) {
-  const double factor = std::clamp(std::sqrt(pixels / kUsualPixels), 1.0, kMaxGaussianFactor);
-  return std::max(kGaussianStep, Rounded(std::min(factor * usual, pixels / kPixelsOfGaussian), kGaussianStep));
+/// More Gaussians for more pixels, and no more than the photos can hold in place.
+int GaussiansFor(int views, double pixels_of_view, int usual) {
+  const double pixels = views * pixels_of_view;
+  const double wanted = std::clamp(std::sqrt(pixels / kUsualPixels), 1.0, kMaxGaussianFactor) * usual;
+  return std::max(kGaussianStep, Rounded(std::min(wanted, pixels * views / kPixelsOfGaussian), kGaussianStep));
 }
 
 /// Shrinks what is automatic until it fits.
@@ -99,7 +102,7 @@ RunOptions WithSize(RunOptions options, const SceneSize& scene, const TrainingMa
   }
   if (options.train.max_gaussians.is_auto()) {
     options.train.max_gaussians =
-        GaussiansFor(scene.views * PixelsOfView(scene, options.image.Settled()), level.max_gaussians);
+        GaussiansFor(scene.views, PixelsOfView(scene, options.image.Settled()), level.max_gaussians);
   }
   if (options.propose.proposers.is_auto()) {
     options.propose.proposers = std::string(options.quality.quality == Quality::kDraft ? kWarpWord : kProxiesWord);
