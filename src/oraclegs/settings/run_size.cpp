@@ -18,9 +18,9 @@ struct Level {
 constexpr double kUsualViewPixels = 0.75e6, kUsualPixels = 12 * kUsualViewPixels;  // twelve views of 1000 x 750
 constexpr double kMaxIterationFactor = 1.25;
 constexpr double kMaxGaussianFactor = 3;
-// Pixels of all photos that a Gaussian takes where there is one photo; of more, each takes as much less. With fewer,
-// Gaussians are left over that one photo alone holds in place: three photos of 250 x 190 are shown best by 15 000,
-// twelve of 135 x 240 by 100 000.
+// Least pixels of all photos for a Gaussian, times the number of photos. With fewer, Gaussians are left over that one
+// photo alone holds in place: three photos of 250 x 190 are shown best by 15 000, twelve of
+// 135 x 240 by 100 000.
 constexpr double kPixelsOfGaussian = 30;
 constexpr int kGaussianStep = 5000;   // makes round numbers
 constexpr int kFewViews = 8;          // with fewer views long training overfits

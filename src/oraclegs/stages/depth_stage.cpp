@@ -66,9 +66,7 @@ Geometry ReadGeometry(const Run& run, const std::vector<LoadedView>& views) {
   Geometry geometry;
   geometry.maps = ReadBack(run, views);
   geometry.gains = EstimateGains(geometry.maps, views);
-  const Auto<ExposureMode>& asked = run.options.train.exposure;
-  const bool is_learned = !asked.is_auto() && asked.value() == ExposureMode::kOn;
-  if (!is_learned && ExposureSpread(geometry.gains) <= kVariedExposure) {
+  if (ExposureSpread(geometry.gains) <= kVariedExposure) {
     for (Eigen::Vector3f& gain : geometry.gains) gain.setOnes();
   }
   FusionOptions options = FusionOf(geometry.gains);

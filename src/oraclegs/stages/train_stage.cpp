@@ -282,6 +282,7 @@ std::optional<nlohmann::json> MakeTrain(Run* run, const std::string&) {
                         {"lpips", ready.lpips.empty() ? nlohmann::json() : nlohmann::json(ready.lpips)},
                         {"peak_memory_bytes", PeakMemoryBytes()},
                         {"files", {"point_cloud.ply"}}};
+  if (!ready.trainer->exposures().empty()) record["files"].push_back("exposures.json");
   if (checkpoint) record["cpu_seconds"] = nullptr;  // that of the processes before is not known
   return record;
 }
