@@ -247,6 +247,22 @@ TEST(ColmapRunner, TellsWhatPassesFromWhatFailsAgain) {
   unsetenv("ORACLEGS_STALL_LIMIT");
 }
 
+TEST(ColmapRunner, StartsOnceMoreWhatDoesNothing) {
+  const TempDir dir;
+  const std::string first = (dir / "first").string();
+  const FakeColmap fake(fmt::format("if [ ! -e {0} ]; then touch {0}; sleep 60; fi; echo done", first));
+  setenv("ORACLEGS_STALL_LIMIT", "0.3", 1);
+  std::vector<std::string> warnings;
+  const Listener listener = [&](const Event& event) {
+    if (const auto* warning = std::get_if<Warning>(&event)) warnings.push_back(warning->text);
+  };
+  EXPECT_NO_THROW(ColmapRunner(dir.path(), listener, "sfm").Run("feature_extractor", {}, ""));
+  unsetenv("ORACLEGS_STALL_LIMIT");
+  EXPECT_THAT(warnings, ElementsAre("colmap feature_extractor did nothing for 0.3 s and was ended; it is started once "
+                                    "more"));
+  EXPECT_EQ(ReadFile(dir / "colmap.log"), "done\n");
+}
+
 TEST(ColmapRunner, LogsToItsLogAlone) {
   const TempDir dir;
   const FakeColmap fake("echo \"logtostderr is $GLOG_logtostderr, files go to $GLOG_log_dir\"");

@@ -177,10 +177,15 @@ void ColmapRunner::Execute(const std::vector<std::string>& command_line, const C
   };
   const ProcessResult result = RunProcess(request);
   if (result.stalled) {
-    Stop(command,
-         fmt::format("did nothing for {:g} s and was ended (more patience: ORACLEGS_STALL_LIMIT=SECONDS)",
-                     request.stall_limit->count()),
-         progress.last_line());
+    const std::string stalled = fmt::format("did nothing for {:g} s and was ended", request.stall_limit->count());
+    if (!task.is_repeated) {
+      // Its threads may wait for each other; the features and matches that it wrote are not computed again.
+      listener_(Warning{fmt::format("colmap {} {}; it is started once more", command, stalled)});
+      Task repeated = task;
+      repeated.is_repeated = true;
+      return Execute(command_line, options, repeated);
+    }
+    Stop(command, stalled + " (more patience: ORACLEGS_STALL_LIMIT=SECONDS)", progress.last_line());
   }
   if (result.exit_code == 0) return;
   if (g_refused_names.Learn(program, progress.last_line())) return Execute(command_line, options, task);

@@ -79,7 +79,7 @@ class ColmapRunner {
   std::filesystem::path WithoutImages(const std::filesystem::path& model, const std::vector<std::string>& names,
                                       const std::filesystem::path& folder) const;
   /// Any command that works on the database; an interrupt ends it. Throws ColmapFailure when it ends with an error, and
-  /// RunError when it was killed, did nothing for StallLimit() or printed nothing for half an hour, or the disk is
+  /// RunError when it was killed, twice did nothing for StallLimit(), printed nothing for half an hour, or the disk is
   /// full.
   void Run(const std::string& command, const ColmapOptions& options, const std::string& what) const;
 
@@ -88,7 +88,8 @@ class ColmapRunner {
   struct Task {
     std::string what;
     MatchingBlocks blocks;
-    int64_t pairs = 0;  ///< pairs of a list that it matches
+    int64_t pairs = 0;         ///< pairs of a list that it matches
+    bool is_repeated = false;  ///< after a first try that did nothing
   };
   /// Runs a command line with these options, which newer versions of colmap get by their own names.
   void Execute(const std::vector<std::string>& command_line, const ColmapOptions& options, const Task& task) const;
