@@ -1,5 +1,5 @@
 #include "oraclegs/output/render_path.h"
-#include "oraclegs/output/value_images.h"
+#include "oraclegs/output/report/value_images.h"
 #include "source_command.h"
 
 namespace oraclegs {

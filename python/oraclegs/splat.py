@@ -26,6 +26,7 @@ class Splat:
     sh: np.ndarray  #: (N, 16, 3) spherical harmonics: coefficient first, then RGB; zeros above sh_degree
     sh_degree: int = 3
     support: Optional[np.ndarray] = None  #: (N,) in [0, 1], how far images support each Gaussian; None = not known
+    uncertainty: Optional[np.ndarray] = None  #: (N,) in [0, 1], error to expect of what each shows; None = not known
     comments: Sequence[str] = field(default_factory=tuple)  #: of the file's header
     antialiased: bool = False  #: the file says that it was trained so
 

@@ -25,9 +25,13 @@ py::dict ReadSplatArrays(const std::filesystem::path& path) {
   arrays["sh_degree"] = splat.sh_degree;
   arrays["comments"] = splat.comments;
   arrays["antialiased"] = splat.antialiased;
-  arrays["support"] = splat.support.empty()
+  arrays["uncertainty"] =
+      splat.marks.uncertainty.empty()
+          ? py::object(py::none())
+          : ToArray({static_cast<py::ssize_t>(splat.marks.uncertainty.size())}, splat.marks.uncertainty.data());
+  arrays["support"] = splat.marks.support.empty()
                           ? py::object(py::none())
-                          : ToArray({static_cast<py::ssize_t>(splat.support.size())}, splat.support.data());
+                          : ToArray({static_cast<py::ssize_t>(splat.marks.support.size())}, splat.marks.support.data());
   return arrays;
 }
 

@@ -25,6 +25,7 @@ export function makeRun() {
     if (role === 'test') {
       const error = encodePng(changed(image, (v, i) => (i % 3 === 0 ? 255 - v : 20)));
       return {...view, error: put(at('error'), error), support: put(at('support'), encodePng(changed(image, (_, i) => [0, 114, 178][i % 3]))),
+              uncertainty: put(at('uncertainty'), encodePng(changed(image, (_, i) => [126, 3, 168][i % 3]))),
               psnr: 27.1 + id / 10, ssim: 0.87, lpips: 0.12};
     }
     const confidence = encodePng(changed(image, (_, i) => [240, 249, 33][i % 3]));
@@ -35,7 +36,8 @@ export function makeRun() {
     format: 1, kind: 'run', title: 'four balls', program: 'oraclegs 0.1.0', created: '2026-01-01T10:00:00Z', finished: true,
     hero: {url: 'report/images/5_image.png', caption: 'test_0005, which nothing was trained on'},
     splat: {...put('report/splat.spz', spz), format: 'spz', gaussians: gaussians.length, bytes: spz.length, sh_degree: 0,
-            support: put('report/support.bin', Buffer.from(gaussians.map((g) => Math.round(255 * g.support))))},
+            support: put('report/support.bin', Buffer.from(gaussians.map((g) => Math.round(255 * g.support)))),
+            uncertainty: put('report/uncertainty.bin', Buffer.from(gaussians.map((g) => Math.round(255 * (1 - g.support)))))},
     place: {up: [0, -1, 0], center: [0, -0.3, 0], radius: 1.6},
     views, points: {...put('report/points.bin', pointBytes(gaussians)), count: gaussians.length},
     scores: {psnr: 27.65, ssim: 0.87, lpips: 0.12, psnr_color_corrected: 28.01}, ...tables(),
@@ -82,7 +84,8 @@ function tables() {
     stages: [{name: 'sfm', seconds: 3.1}, {name: 'depth', seconds: 21.4}, {name: 'train', seconds: 301.2}, {name: 'evaluate', seconds: 2.2}],
     curves: [{name: 'loss', unit: '', x_name: 'iteration', x, y: x.map((v) => 0.3 * Math.exp(-v / 900) + 0.02)},
              {name: 'Gaussians', unit: '', x_name: 'iteration', x, y: x.map((v) => 1500 + v / 2)}],
-    support: {auroc: 0.81, classes: classes.map((name, i) => ({name, share: [0.8, 0.1, 0.07, 0.03][i], gaussians: [0.7, 0.15, 0.1, 0.05][i], mean_error: 0.03 * (i + 1)}))},
+    uncertainty: {auroc_large_error: 0.88, ause_ratio: 0.31},
+    support: {classes: classes.map((name, i) => ({name, share: [0.8, 0.1, 0.07, 0.03][i], gaussians: [0.7, 0.15, 0.1, 0.05][i], mean_error: 0.03 * (i + 1)}))},
     calibration: {title: 'Trust and truth', x_name: 'trust', y_name: 'share of right pixels', bins},
     registration: {registered: 5, photos: 6, reprojection_error: 0.52, parallax_degrees: 20.4, warnings: [],
                    views: [{name: 'train_0000', status: 'registered', why: '', advice: '', registered: true},

@@ -7,6 +7,8 @@ import {pixel, settled, shownImage} from './picture.mjs';
 import {project, SIZE} from './scene.mjs';
 import {startServer} from './server.mjs';
 
+// Of the balls' uncertainty, .1, .4, .6 and .9, in plasma.
+const CERTAINTY_COLORS = [[64, 4, 156], [177, 42, 144], [224, 100, 98], [252, 200, 40]];
 const CLASS_COLORS = [[0, 114, 178], [86, 180, 233], [240, 228, 66], [213, 94, 0]];
 
 export async function classesHaveTheirColors(browser, {url, run}) {
@@ -23,6 +25,11 @@ export async function classesHaveTheirColors(browser, {url, run}) {
       return pixel(image, p.x, p.y);
     });
   };
+  await page.getByRole('radio', {name: 'how sure'}).check();
+  for (const [i, seen] of (await look()).entries()) {  // ball 0 is sure, ball 3 is not
+    const nearest = CERTAINTY_COLORS.map((color) => angle(color, seen)).reduce((best, v, k, all) => (v < all[best] ? k : best), 0);
+    assert.equal(nearest, i, `ball ${i} is ${seen} where certainty is shown`);
+  }
   await page.keyboard.press('p');
   const tinted = await look();
   tinted.forEach((seen, i) => {
@@ -68,7 +75,7 @@ async function turnsUp(page) {
   assert.deepEqual(await up(), [0, -1, 0]);
   await page.keyboard.press('u');
   assert.deepEqual(await up(), [0, 0, 1]);
-  assert.deepEqual(await page.locator('.modes .choices label:visible').allTextContents(), ['color', 'depth', 'normals'], 'its support is unknown');
+  assert.deepEqual(await page.locator('.modes .choices label:visible').allTextContents(), ['color', 'depth', 'normals'], 'its marks are unknown');
   assert.equal(await page.locator('.views').isVisible(), false);
 }
 

@@ -63,9 +63,9 @@ TEST(SplatFile, KeepsSupportWhereTheFormatCan) {
   const TempDir dir;
   const Gaussians g = PlausibleGaussians(4);
   for (const char* name : {"a.ply", "a.sog", "a.glb"}) {
-    WriteSplat(dir / name, {g, 0, {}, {0.1f, 0.3f, 0.75f, 1.f}});
+    WriteSplat(dir / name, {g, 0, {}, {{0.1f, 0.3f, 0.75f, 1.f}}});
     const GaussianPly read = ReadSplat(dir / name);
-    ASSERT_EQ(read.support.size(), 4u) << name;
+    ASSERT_EQ(read.marks.support.size(), 4u) << name;
     for (int64_t i = 0; i < 4; ++i) {
       // The order may have changed: the support stays with its Gaussian.
       int64_t nearest = 0;
@@ -75,12 +75,12 @@ TEST(SplatFile, KeepsSupportWhereTheFormatCan) {
         };
         if (distance(k) < distance(nearest)) nearest = k;
       }
-      EXPECT_EQ(read.support[i] >= 0.75f, nearest >= 2) << name;
-      EXPECT_NEAR(read.support[i], (std::vector<float>{0.1f, 0.3f, 0.75f, 1.f})[nearest], 1.f / 256) << name;
+      EXPECT_EQ(read.marks.support[i] >= 0.75f, nearest >= 2) << name;
+      EXPECT_NEAR(read.marks.support[i], (std::vector<float>{0.1f, 0.3f, 0.75f, 1.f})[nearest], 1.f / 256) << name;
     }
   }
-  WriteSplat(dir / "a.spz", {g, 0, {}, {0.1f, 0.3f, 0.75f, 1.f}});
-  EXPECT_TRUE(ReadSplat(dir / "a.spz").support.empty());
+  WriteSplat(dir / "a.spz", {g, 0, {}, {{0.1f, 0.3f, 0.75f, 1.f}}});
+  EXPECT_TRUE(ReadSplat(dir / "a.spz").marks.support.empty());
 }
 
 TEST(SplatFormatOf, SaysHowToConvertKsplat) {

@@ -27,12 +27,13 @@ Gaussians Numbered(int64_t n) {
 }
 
 struct Repaired {
-  explicit Repaired(Gaussians given) : gaussians(std::move(given)), support(gaussians.size(), 0.5f) {
-    LeaveOutDamaged("a.ply", &gaussians, &support, &warnings);
+  explicit Repaired(Gaussians given)
+      : gaussians(std::move(given)), marks{std::vector<float>(static_cast<size_t>(gaussians.size()), 0.5f)} {
+    LeaveOutDamaged("a.ply", &gaussians, &marks, &warnings);
   }
 
   Gaussians gaussians;
-  std::vector<float> support;
+  GaussianMarks marks;
   std::vector<std::string> warnings;
 };
 
@@ -50,7 +51,7 @@ TEST(LeaveOutDamaged, LeavesOutOneInTen) {
   g.means[3 * 7 + 2] = NAN;
   const Repaired repaired(g);
   EXPECT_EQ(repaired.gaussians.size(), 18);
-  EXPECT_EQ(repaired.support.size(), 18u);
+  EXPECT_EQ(repaired.marks.support.size(), 18u);
   EXPECT_EQ(repaired.gaussians.means[3 * 3], 4);
   EXPECT_THAT(repaired.warnings, ElementsAre(HasSubstr("a.ply: 2 of 20 Gaussians")));
   EXPECT_THAT(repaired.warnings[0], HasSubstr("f_rest_37 of Gaussian 3 is inf"));

@@ -177,10 +177,10 @@ TEST_F(GaussianPlyFile, RefusesManyRowsThatAreNotFinite) {
 TEST_F(GaussianPlyFile, LeavesOutOneBadRowAndSaysSo) {
   Gaussians g = RandomGaussians(20);
   g.sh[5 * kShFloats + 1] = std::numeric_limits<float>::quiet_NaN();
-  WriteGaussianPly(path_, g, 1, {}, std::vector<float>(20, 0.5f));
+  WriteGaussianPly(path_, g, 1, {}, {std::vector<float>(20, 0.5f)});
   const GaussianPly read = ReadGaussianPly(path_);
   EXPECT_EQ(read.gaussians.size(), 19);
-  EXPECT_EQ(read.support.size(), 19u);
+  EXPECT_EQ(read.marks.support.size(), 19u);
   EXPECT_EQ(read.gaussians.means[5 * 3], g.means[6 * 3]);
   EXPECT_THAT(read.warnings, testing::ElementsAre(HasSubstr("1 of 20 Gaussians")));
 }
@@ -282,22 +282,29 @@ TEST_F(GaussianPlyFile, KeepsComments) {
   EXPECT_TRUE(ReadGaussianPly(path_).comments.empty());
 }
 
-TEST_F(GaussianPlyFile, KeepsSupport) {
+TEST_F(GaussianPlyFile, KeepsMarks) {
   const Gaussians g = RandomGaussians(3);
-  WriteGaussianPly(path_, g, 1, {}, {0, 0.5f, 1});
+  WriteGaussianPly(path_, g, 1, {}, {{0, 0.5f, 1}, {1, 0.25f, 0}});
   const GaussianPly read = ReadGaussianPly(path_);
   EXPECT_EQ(read.sh_degree, 1);
-  EXPECT_EQ(read.support, (std::vector<float>{0, 0.5f, 1}));
+  EXPECT_EQ(read.marks.support, (std::vector<float>{0, 0.5f, 1}));
+  EXPECT_EQ(read.marks.uncertainty, (std::vector<float>{1, 0.25f, 0}));
   EXPECT_TRUE(Equal(read.gaussians.quats, g.quats));
+  WriteGaussianPly(path_, g, 1, {}, {{}, {1, 0.25f, 0}});
+  const GaussianPly unsupported = ReadGaussianPly(path_);
+  EXPECT_TRUE(unsupported.marks.support.empty());
+  EXPECT_EQ(unsupported.marks.uncertainty, read.marks.uncertainty);
   WriteGaussianPly(path_, g, 1);
-  EXPECT_TRUE(ReadGaussianPly(path_).support.empty());
-  EXPECT_THROW(WriteGaussianPly(path_, g, 1, {}, {0.5f}), ShapeError);
+  EXPECT_TRUE(ReadGaussianPly(path_).marks.support.empty());
+  EXPECT_THROW(WriteGaussianPly(path_, g, 1, {}, {{0.5f}}), ShapeError);
 }
 
-TEST_F(GaussianPlyFile, RefusesSupportOutOfRange) {
+TEST_F(GaussianPlyFile, RefusesMarksOutOfRange) {
   for (const float bad : {-0.1f, 1.1f, std::numeric_limits<float>::quiet_NaN()}) {
-    WriteGaussianPly(path_, RandomGaussians(2), 0, {}, {0.5f, bad});
+    WriteGaussianPly(path_, RandomGaussians(2), 0, {}, {{0.5f, bad}});
     EXPECT_THAT(ReadError(path_), HasSubstr("support of vertex 1"));
+    WriteGaussianPly(path_, RandomGaussians(2), 0, {}, {{}, {0.5f, bad}});
+    EXPECT_THAT(ReadError(path_), HasSubstr("uncertainty of vertex 1"));
   }
 }
 

@@ -32,8 +32,9 @@ TEST(Picked, TakesRowsOfAllBuffers) {
 }
 
 TEST(Picked, TakesSupportWhereThereIsAny) {
-  EXPECT_EQ(Picked({0.f, 0.25f, 0.5f}, {2, 0}), (std::vector<float>{0.5f, 0.f}));
-  EXPECT_TRUE(Picked(std::vector<float>(), {2, 0}).empty());
+  const GaussianMarks picked = Picked(GaussianMarks{{0.f, 0.25f, 0.5f}, {}}, {2, 0});
+  EXPECT_EQ(picked.support, (std::vector<float>{0.5f, 0.f}));
+  EXPECT_TRUE(picked.uncertainty.empty());
 }
 
 TEST(MostPresent, KeepsTheOrderAndTheFirstOfEquals) {

@@ -37,7 +37,7 @@ std::vector<float> Places(const Gaussians& g) {
   return x;
 }
 
-GaussianPly RowSplat(int n, std::vector<float> support = {}) { return {Row(n), 3, {}, std::move(support)}; }
+GaussianPly RowSplat(int n, std::vector<float> support = {}) { return {Row(n), 3, {}, {std::move(support)}}; }
 
 std::vector<float> PlacesLeft(const GaussianPly& splat, const ExportOptions& options, const std::string& crop = "") {
   return Places(Pruned(splat, options, ParseCrop(crop), "in.ply").gaussians);
@@ -61,7 +61,13 @@ TEST(Pruned, KeepsTheLargestInTheirOrder) {
 TEST(Pruned, DropsWhatLittleSupports) {
   const GaussianPly kept = Pruned(RowSplat(3, {0.2f, 0.5f, 1}), {.min_support = 0.5}, {}, "in.ply");
   EXPECT_THAT(Places(kept.gaussians), testing::ElementsAre(1, 2));
-  EXPECT_THAT(kept.support, testing::ElementsAre(0.5f, 1));
+  EXPECT_THAT(kept.marks.support, testing::ElementsAre(0.5f, 1));
+  GaussianPly known = RowSplat(3);
+  known.marks.uncertainty = {0.3f, 0.01f, 0.05f};
+  EXPECT_THAT(Pruned(known, {.max_uncertainty = 0.05}, {}, "in.ply").marks.uncertainty,
+              testing::ElementsAre(0.01f, 0.05f));
+  EXPECT_THAT(MessageOf<InputError>([] { PlacesLeft(RowSplat(3), {.max_uncertainty = 0.05}); }),
+              testing::HasSubstr("in.ply: says nothing of how sure"));
   EXPECT_THAT(MessageOf<InputError>([] { PlacesLeft(RowSplat(3), {.min_support = 0.5}); }),
               testing::HasSubstr("in.ply: says nothing of the support"));
 }

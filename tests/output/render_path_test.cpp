@@ -46,12 +46,12 @@ TEST_F(RenderPathTest, WritesEachValueIntoItsFolder) {
     EXPECT_EQ(ReadImage(*temp / "values" / file).channels, 3) << file;
   }
   path.what = "support";
-  model.support.clear();
+  model.marks.support.clear();
   EXPECT_THAT(MessageOf<InputError>([&] { RenderCameras(model, cameras, *temp / "values", path, Silent()); }),
               testing::HasSubstr("train again"));
   path.what = "colors";
   EXPECT_THAT(MessageOf<UsageError>([&] { RenderCameras(model, cameras, *temp / "values", path, Silent()); }),
-              testing::HasSubstr("color, depth, normals, support"));
+              testing::HasSubstr("color, depth, normals, support, uncertainty"));
 }
 
 TEST_F(RenderPathTest, SpiralHasItsFrames) {

@@ -55,6 +55,7 @@ enum class RandomStream : uint64_t {
   kBackground = 26,
   kOraclePass = 27,    // of the images of VGGT's passes
   kSecondMotion = 31,  // of samples of matches
+  kStandIns = 32,      // of the Gaussians that copies of a model lack
 };
 
 /// Sequential reader of one stream; its whole state is the counter.

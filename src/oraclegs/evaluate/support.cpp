@@ -8,6 +8,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/statistics.h"
+#include "oraclegs/evaluate/blended_sums.h"
 #include "oraclegs/render/constants.h"
 #include "oraclegs/render/render.h"
 
@@ -20,46 +21,21 @@ constexpr double kFurtherViews = 4;       // unoccluded, for 63 % of the last qu
 constexpr float kTrusted = 0.5f;          // confidence
 constexpr double kSmallestFootprint = 1;  // pixels; what is smaller is compared with this
 
-/// The contributions of all Gaussians to a view: the sums over its pixels of a Gaussian's blending weights ("blended"),
-/// and of these times the pixels' weights ("trusted"). They are gradients: with one color for all Gaussians,
-/// dL/d(color) of one is the sum of its blending weights times dL/d(pixel).
-class Contributions {
- public:
-  Contributions(const Gaussians& gaussians, const RenderOptions& options)
-      : device_(gaussians.means.device()), rasterizer_(MakeRasterizer(device_)), gray_(gaussians), options_(options) {
-    gray_.sh = Buffer<float>::Zeros(gaussians.sh.shape(), device_);
-    options_.sh_degree = 0;
-    grads_ = Gaussians::Zeros(gaussians.size(), device_);
+/// Numbers of a view's pixels for BlendedSums: the weight, 1, and 0.
+Buffer<float> NumbersOf(const SupportView& view) {
+  const int64_t height = view.camera.height, width = view.camera.width;
+  if (view.weight.defined()) RequireShape("Support", "weight", view.weight, {height, width});
+  if (view.weight_bytes.defined()) RequireShape("Support", "weight", view.weight_bytes, {height, width});
+  const Buffer<float> weight = view.weight.defined() ? view.weight.To(kCpu) : Buffer<float>();
+  Buffer<float> numbers = Buffer<float>::Zeros({height, width, 3});
+  for (int64_t p = 0; p < height * width; ++p) {
+    numbers[3 * p] = view.weight_bytes.defined() ? static_cast<float>(view.weight_bytes[p]) / 255
+                     : weight.defined()          ? weight[p]
+                                                 : 1;
+    numbers[3 * p + 1] = 1;
   }
-
-  /// Gradient with dColor/dSH as a factor: channel 0 is the trusted sum, channel 1 the blended one.
-  const float* Of(const SupportView& view) {
-    const int64_t height = view.camera.height, width = view.camera.width;
-    if (view.weight.defined()) RequireShape("Support", "weight", view.weight, {height, width});
-    if (view.weight_bytes.defined()) RequireShape("Support", "weight", view.weight_bytes, {height, width});
-    const Buffer<float> weight = view.weight.defined() ? view.weight.To(kCpu) : Buffer<float>();
-    Buffer<float> upstream = Buffer<float>::Zeros({height, width, 3});
-    for (int64_t p = 0; p < height * width; ++p) {
-      upstream[3 * p] = view.weight_bytes.defined() ? static_cast<float>(view.weight_bytes[p]) / 255
-                        : weight.defined()          ? weight[p]
-                                                    : 1;
-      upstream[3 * p + 1] = 1;
-    }
-    rasterizer_->Forward(gray_, view.camera, options_, RenderPass::kTrain);
-    RenderGrads grads;
-    grads.image = upstream.To(device_);
-    rasterizer_->Backward(gray_, grads, &grads_);
-    sh_ = grads_.sh.To(kCpu);
-    return sh_.data();
-  }
-
- private:
-  Device device_;
-  std::unique_ptr<Rasterizer> rasterizer_;
-  Gaussians gray_, grads_;
-  Buffer<float> sh_;
-  RenderOptions options_;
-};
+  return numbers;
+}
 
 /// Area in pixels that a Gaussian would cover without anything before it, weighted by its alpha: 2 pi opacity sqrt(det
 /// of its projected covariance). 0 behind the camera.
@@ -103,15 +79,15 @@ std::vector<float> Support(const Gaussians& gaussians, const std::vector<Support
   gaussians.Check("Support");
   const int64_t n = gaussians.size();
   std::vector<Evidence> evidence(static_cast<size_t>(n));
-  Contributions contributions(gaussians, options);
+  BlendedSums sums(gaussians, options);
   const Gaussians host = gaussians.To(kCpu);
   const GaussianRows rows = host.Rows();
   for (const SupportView& view : views) {
     ThrowIfInterrupted();
-    const float* sh = contributions.Of(view);
+    sums.Take(view.camera, NumbersOf(view));
     ParallelBlocks(n, kSupportGrain, [&](int64_t begin, int64_t end) {
       for (int64_t i = begin; i < end; ++i) {
-        const double trusted = sh[i * kShFloats] / kConstantSh, blended = sh[i * kShFloats + 1] / kConstantSh;
+        const double trusted = sums.Of(i, 0), blended = sums.Of(i, 1);
         if (!(blended > 0)) continue;
         const double share =
             std::min(1.0, blended / std::max(FootprintOf(rows.From(i), view.camera), kSmallestFootprint));

@@ -269,9 +269,10 @@ GaussianPly DecodeGltf(std::string_view bytes, const std::string& file) {
     splat.gaussians.ForEach(
         [&](const char*, Buffer<float>& to) { to.Rows(row, row + node.gaussians.size()).CopyFrom(from[i++]); });
     row += node.gaussians.size();
-    splat.support.insert(splat.support.end(), node.support.begin(), node.support.end());
+    splat.marks.support.insert(splat.marks.support.end(), node.support.begin(), node.support.end());
   }
-  if (static_cast<int64_t>(splat.support.size()) != n) splat.support.clear();  // of a part of them it would mislead
+  if (static_cast<int64_t>(splat.marks.support.size()) != n)
+    splat.marks.support.clear();  // of a part of them it would mislead
   const GaussianRows all = splat.gaussians.Rows();
   ParallelBlocks(n, kSplatGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) TurnHalf(all.From(i), kTurnAboutZ);

@@ -63,7 +63,7 @@ class SogReader {
     if (degree > 0) ReadHarmonics(harmonics, degree, all);
     if (meta_.contains("support")) {
       const ByteImage image = Pixels("support", 0);
-      for (int64_t i = 0; i < count_; ++i) splat.support.push_back(UnpackSupport(image.rgba[4 * i]));
+      for (int64_t i = 0; i < count_; ++i) splat.marks.support.push_back(UnpackSupport(image.rgba[4 * i]));
     }
     return WithoutDamaged(std::move(splat), file_);
   }

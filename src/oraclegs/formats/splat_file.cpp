@@ -99,7 +99,7 @@ std::vector<int64_t> OthersThan(const std::vector<int64_t>& lost, int64_t n) {
 GaussianPly PickedSplat(const GaussianPly& splat, const std::vector<int64_t>& rows) {
   GaussianPly picked = splat;
   picked.gaussians = Picked(splat.gaussians, rows);
-  picked.support = Picked(splat.support, rows);
+  picked.marks = Picked(splat.marks, rows);
   return picked;
 }
 
@@ -126,7 +126,7 @@ const std::vector<SplatFormat>& SplatFormats() {
        .keeps_antialiased = true,
        .decode = DecodeAnyPly,
        .encode =
-           [](const GaussianPly& s) { return EncodeGaussianPly(s.gaussians, s.sh_degree, CommentsOf(s), s.support); }},
+           [](const GaussianPly& s) { return EncodeGaussianPly(s.gaussians, s.sh_degree, CommentsOf(s), s.marks); }},
       {.extension = ".compressed.ply",
        .promise = kChunkPromise,
        .order = FileOrder::kByPlace,
@@ -146,7 +146,7 @@ const std::vector<SplatFormat>& SplatFormats() {
        .promise = kSogPromise,
        .order = FileOrder::kByPlace,
        .decode = DecodeSog,
-       .encode = [](const GaussianPly& s) { return EncodeSog(s.gaussians, s.sh_degree, s.support); }},
+       .encode = [](const GaussianPly& s) { return EncodeSog(s.gaussians, s.sh_degree, s.marks.support); }},
       {.extension = ".splat",
        .promise = kSplatPromise,
        .max_sh_degree = 0,
@@ -156,7 +156,7 @@ const std::vector<SplatFormat>& SplatFormats() {
        .promise = kFloats,
        .half_turn = kTurnAboutZ,
        .decode = DecodeGltf,
-       .encode = [](const GaussianPly& s) { return EncodeGltf(s.gaussians, s.sh_degree, s.support); }},
+       .encode = [](const GaussianPly& s) { return EncodeGltf(s.gaussians, s.sh_degree, s.marks.support); }},
       {.extension = ".spz.glb",
        .promise = kSpzPromise,
        .order = FileOrder::kByPlace,

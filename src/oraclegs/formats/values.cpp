@@ -26,9 +26,9 @@ uint8_t NearestByte(float value) {
   return value > 0 ? static_cast<uint8_t>(std::lround(std::min(value, 255.f))) : uint8_t{0};
 }
 
-std::string SupportBytes(const std::vector<float>& support) {
+std::string MarkBytes(const std::vector<float>& marks, float most) {
   std::string bytes;
-  for (const float s : support) bytes.push_back(static_cast<char>(NearestByte(255 * s)));
+  for (const float mark : marks) bytes.push_back(static_cast<char>(NearestByte(255 * mark / most)));
   return bytes;
 }
 
@@ -112,7 +112,7 @@ GaussianPly ZeroSplat(int64_t n, int sh_degree, const std::string& file) {
 }
 
 GaussianPly WithoutDamaged(GaussianPly splat, const std::string& file) {
-  LeaveOutDamaged(file, &splat.gaussians, &splat.support, &splat.warnings);
+  LeaveOutDamaged(file, &splat.gaussians, &splat.marks, &splat.warnings);
   return splat;
 }
 

@@ -18,8 +18,8 @@ inline constexpr int64_t kSplatGrain = 4096;  ///< Gaussians a task
 /// The nearest of the bytes 0..255; 0 for a NaN.
 uint8_t NearestByte(float value);
 
-/// The support of Gaussians, a byte each.
-std::string SupportBytes(const std::vector<float>& support);
+/// Numbers of Gaussians, a byte each: 255 for `most` and what is larger.
+std::string MarkBytes(const std::vector<float>& marks, float most);
 
 /// The logit of an opacity in [0,1]; +-15 where it would be infinite.
 float LogitOfOpacity(float opacity);

@@ -65,7 +65,7 @@ std::string DescribeDamage(const Gaussians& gaussians, int64_t i) {
 
 }  // namespace
 
-void LeaveOutDamaged(const std::string& file, Gaussians* gaussians, std::vector<float>* support,
+void LeaveOutDamaged(const std::string& file, Gaussians* gaussians, GaussianMarks* marks,
                      std::vector<std::string>* warnings) {
   const int64_t n = gaussians->size();
   std::vector<RowState> states(static_cast<size_t>(n));
@@ -90,7 +90,7 @@ void LeaveOutDamaged(const std::string& file, Gaussians* gaussians, std::vector<
       if (states[i] != RowState::kDamaged) kept.push_back(i);
     }
     *gaussians = Picked(*gaussians, kept);
-    *support = Picked(*support, kept);
+    *marks = Picked(*marks, kept);
     warnings->push_back(fmt::format("{}: {} of {} Gaussians have numbers that are not finite and are left out: {}",
                                     file, damaged, n, what));
   }

@@ -1,6 +1,7 @@
 #include "oraclegs/gaussians/ply.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 
@@ -18,7 +19,23 @@ constexpr int64_t kWriteGrain = 4096;          // rows a task
 constexpr int kFixedColumns = 14;              // what a reader needs besides f_rest: x y z, f_dc, opacity, scale, rot
 constexpr int kHighestDegree = 4;              // of files; what lies above kMaxShDegree is left out
 constexpr float kLogOfThickness = -6.907755f;  // of a disc, relative to its smaller radius: a thousandth
-constexpr char kSupport[] = "support";
+
+/// A list of marks and its property in a file.
+struct Mark {
+  const char* name;
+  std::vector<float> GaussianMarks::*list;
+};
+constexpr std::array<Mark, 2> kMarks = {
+    {{"support", &GaussianMarks::support}, {"uncertainty", &GaussianMarks::uncertainty}}};
+
+/// The marks that are known.
+std::vector<Mark> KnownMarks(const GaussianMarks& marks) {
+  std::vector<Mark> known;
+  for (const Mark& mark : kMarks) {
+    if (!(marks.*mark.list).empty()) known.push_back(mark);
+  }
+  return known;
+}
 
 /// Meaning of the columns of a file.
 struct RowLayout {
@@ -49,9 +66,7 @@ std::vector<std::string> PropertyNames(const RowLayout& layout) {
   return names;
 }
 
-std::string HeaderText(int64_t count, std::vector<std::string> names, bool has_support,
-                       const std::vector<std::string>& comments) {
-  if (has_support) names.emplace_back(kSupport);
+std::string HeaderText(int64_t count, const std::vector<std::string>& names, const std::vector<std::string>& comments) {
   std::string text = "ply\nformat binary_little_endian 1.0\n";
   for (std::string comment : comments) {
     // A line break would be read as the next line of the header.
@@ -122,18 +137,22 @@ RowLayout LayoutOf(const PlyElement& vertex, const std::string& file, std::vecto
   return layout;
 }
 
-/// The support of each Gaussian, where the file has it.
-std::vector<float> ReadSupport(std::string_view bytes, const PlyHeader& header, const PlyElement& vertex,
-                               const std::string& file) {
-  const int at = vertex.Find(kSupport);
-  if (at < 0 || vertex.properties[static_cast<size_t>(at)].is_list) return {};
-  std::vector<float> support = ReadPlyColumns(bytes, header, vertex.name, {kSupport}, file);
-  for (size_t i = 0; i < support.size(); ++i) {
-    if (support[i] >= 0 && support[i] <= 1) continue;
-    throw InputError("{}: support of vertex {} is {}, expected 0 to 1; remove that property or train again", file, i,
-                     support[i]);
+/// The marks that the file has.
+GaussianMarks ReadMarks(std::string_view bytes, const PlyHeader& header, const PlyElement& vertex,
+                        const std::string& file) {
+  GaussianMarks marks;
+  for (const Mark& mark : kMarks) {
+    const int at = vertex.Find(mark.name);
+    if (at < 0 || vertex.properties[static_cast<size_t>(at)].is_list) continue;
+    std::vector<float> values = ReadPlyColumns(bytes, header, vertex.name, {mark.name}, file);
+    for (size_t i = 0; i < values.size(); ++i) {
+      if (values[i] >= 0 && values[i] <= 1) continue;
+      throw InputError("{}: {} of vertex {} is {}, expected 0 to 1; remove that property or train again", file,
+                       mark.name, i, values[i]);
+    }
+    marks.*mark.list = std::move(values);
   }
-  return support;
+  return marks;
 }
 
 }  // namespace
@@ -148,18 +167,22 @@ std::string DegreeLeftOut(int degree, const std::string& file) {
 }
 
 std::string EncodeGaussianPly(const Gaussians& gaussians, int sh_degree, const std::vector<std::string>& comments,
-                              const std::vector<float>& support) {
+                              const GaussianMarks& marks) {
   gaussians.Check("WriteGaussianPly");
-  const bool has_support = !support.empty();
-  if (has_support && static_cast<int64_t>(support.size()) != gaussians.size()) {
-    throw ShapeError("WriteGaussianPly: support of {} Gaussians, expected {}", support.size(), gaussians.size());
-  }
   if (sh_degree < 0 || sh_degree > kMaxShDegree) throw ShapeError("WriteGaussianPly: degree {}", sh_degree);
+  std::vector<std::string> names = PropertyNames({sh_degree, 3});
+  const std::vector<Mark> known = KnownMarks(marks);
+  for (const Mark& mark : known) {
+    names.emplace_back(mark.name);
+    if (const size_t count = (marks.*mark.list).size(); static_cast<int64_t>(count) != gaussians.size()) {
+      throw ShapeError("WriteGaussianPly: {} of {} Gaussians, expected {}", mark.name, count, gaussians.size());
+    }
+  }
   const Gaussians host = gaussians.To(kCpu);
   const int64_t n = host.size();
   const int rest = RestCount(sh_degree);
-  const size_t columns = kFixedColumns + 3 + rest + (has_support ? 1 : 0), row_bytes = columns * sizeof(float);
-  std::string bytes = HeaderText(n, PropertyNames({sh_degree, 3}), has_support, comments);
+  const size_t columns = kFixedColumns + 3 + rest + known.size(), row_bytes = columns * sizeof(float);
+  std::string bytes = HeaderText(n, names, comments);
   const size_t header = bytes.size();
   bytes.resize(header + static_cast<size_t>(n) * row_bytes);
   const GaussianRows all = host.Rows();
@@ -167,7 +190,9 @@ std::string EncodeGaussianPly(const Gaussians& gaussians, int sh_degree, const s
     std::vector<float> row(columns);
     for (int64_t i = begin; i < end; ++i) {
       PackRow(all.From(i), rest, row.data());
-      if (has_support) row.back() = support[static_cast<size_t>(i)];
+      for (size_t k = 0; k < known.size(); ++k) {
+        row[columns - known.size() + k] = (marks.*known[k].list)[static_cast<size_t>(i)];
+      }
       std::memcpy(bytes.data() + header + static_cast<size_t>(i) * row_bytes, row.data(), row_bytes);
     }
   });
@@ -175,8 +200,8 @@ std::string EncodeGaussianPly(const Gaussians& gaussians, int sh_degree, const s
 }
 
 void WriteGaussianPly(const std::filesystem::path& path, const Gaussians& gaussians, int sh_degree,
-                      const std::vector<std::string>& comments, const std::vector<float>& support) {
-  WriteFileAtomically(path, EncodeGaussianPly(gaussians, sh_degree, comments, support));
+                      const std::vector<std::string>& comments, const GaussianMarks& marks) {
+  WriteFileAtomically(path, EncodeGaussianPly(gaussians, sh_degree, comments, marks));
 }
 
 GaussianPly ReadGaussianPly(const std::filesystem::path& path) {
@@ -203,7 +228,7 @@ GaussianPly DecodeGaussianPly(std::string_view bytes, const std::string& file) {
   out.antialiased = SaysAntialiased(out.comments);
   const std::vector<std::string> names = PropertyNames(layout);
   const std::vector<float> values = ReadPlyColumns(bytes, header, element.name, names, file);
-  out.support = ReadSupport(bytes, header, element, file);
+  out.marks = ReadMarks(bytes, header, element, file);
   const auto n = static_cast<int64_t>(element.count);
   const auto columns = static_cast<int64_t>(names.size());
   out.gaussians = Gaussians::Zeros(n);
@@ -211,7 +236,7 @@ GaussianPly DecodeGaussianPly(std::string_view bytes, const std::string& file) {
   ParallelBlocks(n, kWriteGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) UnpackRow(values.data() + i * columns, layout, all.From(i));
   });
-  LeaveOutDamaged(file, &out.gaussians, &out.support, &out.warnings);
+  LeaveOutDamaged(file, &out.gaussians, &out.marks, &out.warnings);
   return out;
 }
 

@@ -7,20 +7,20 @@
 #include <vector>
 
 #include "oraclegs/gaussians/gaussians.h"
+#include "oraclegs/gaussians/selection.h"
 
 namespace oraclegs {
 
 /// Writes binary little-endian PLY of SH degree `sh_degree` (0..3), atomically; comments stand in its header, a line
-/// each. `support`: [N] in [0, 1], the last property of each Gaussian, which other viewers ignore; empty = none
-/// (evaluate/support.h). Throws RunError.
+/// each. `marks` are the last properties of each Gaussian, which other viewers ignore. Throws RunError.
 void WriteGaussianPly(const std::filesystem::path& path, const Gaussians& gaussians, int sh_degree = kMaxShDegree,
-                      const std::vector<std::string>& comments = {}, const std::vector<float>& support = {});
+                      const std::vector<std::string>& comments = {}, const GaussianMarks& marks = {});
 
 struct GaussianPly {
   Gaussians gaussians;
   int sh_degree = 0;  ///< degree of the file; higher coefficients are zero
   std::vector<std::string> comments = {};
-  std::vector<float> support = {};         ///< [N] in [0, 1], how far the images support each Gaussian; empty = unknown
+  GaussianMarks marks = {};
   bool antialiased = false;                ///< the file says that it was trained so (docs/method.md#antialiasing)
   std::vector<std::string> warnings = {};  ///< what the reader left out or assumed: lines that name the file
 };
@@ -33,7 +33,7 @@ bool SaysAntialiased(const std::vector<std::string>& comments);
 /// ascii and both binary byte orders, float or double. Harmonics of degree 4 are read to degree 3, and Gaussians of two
 /// scales (discs) get a third scale, a thousandth of the smaller one, each with a warning; rows as LeaveOutDamaged
 /// says. Throws InputError naming the file: no such element or property, a vertex count that the file cannot hold, too
-/// many damaged rows, a support outside [0, 1].
+/// many damaged rows, a mark outside [0, 1].
 GaussianPly ReadGaussianPly(const std::filesystem::path& path);
 
 /// Reads a file that this program wrote. Also throws InputError for what ReadGaussianPly would leave out or assume.
@@ -44,7 +44,7 @@ std::string DegreeLeftOut(int degree, const std::string& file);
 
 /// The bytes of such a file, and back; `file` stands in errors.
 std::string EncodeGaussianPly(const Gaussians& gaussians, int sh_degree, const std::vector<std::string>& comments,
-                              const std::vector<float>& support);
+                              const GaussianMarks& marks);
 GaussianPly DecodeGaussianPly(std::string_view bytes, const std::string& file);
 
 }  // namespace oraclegs

@@ -41,10 +41,12 @@ Gaussians Picked(const Gaussians& gaussians, const std::vector<int64_t>& indices
   return picked;
 }
 
-std::vector<float> Picked(const std::vector<float>& support, const std::vector<int64_t>& indices) {
-  std::vector<float> picked;
-  if (support.empty()) return picked;
-  for (const int64_t i : indices) picked.push_back(support[static_cast<size_t>(i)]);
+GaussianMarks Picked(const GaussianMarks& marks, const std::vector<int64_t>& indices) {
+  GaussianMarks picked;
+  for (const auto list : {&GaussianMarks::support, &GaussianMarks::uncertainty}) {
+    if ((marks.*list).empty()) continue;
+    for (const int64_t i : indices) (picked.*list).push_back((marks.*list)[static_cast<size_t>(i)]);
+  }
   return picked;
 }
 

@@ -26,8 +26,14 @@ Buffer<T> PickedRows(const Buffer<T>& all, const std::vector<int64_t>& indices) 
   return picked;
 }
 
-/// The numbers of these Gaussians, in this order; none where there are none.
-std::vector<float> Picked(const std::vector<float>& support, const std::vector<int64_t>& indices);
+/// Marks that a run gives each Gaussian, numbers in [0, 1]; an empty list = unknown.
+struct GaussianMarks {
+  std::vector<float> support = {};      ///< how far the images support it (evaluate/support.h)
+  std::vector<float> uncertainty = {};  ///< the error to expect of what it shows (evaluate/uncertainty.h)
+};
+
+/// The marks of these Gaussians, in this order.
+GaussianMarks Picked(const GaussianMarks& marks, const std::vector<int64_t>& indices);
 
 /// Those `most` of these Gaussians that cover and hide most (opacity times the area of the broadest side), in the order
 /// given; all where there are no more. Among equals the first is taken. The Gaussians are on the host.

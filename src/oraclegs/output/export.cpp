@@ -30,10 +30,17 @@ bool NeedsCameras(const ExportOptions& options) { return options.crop == "auto" 
 GaussianPly Pruned(const GaussianPly& splat, const ExportOptions& options, const Crop& crop, const std::string& file) {
   const Gaussians& gaussians = splat.gaussians;
   gaussians.Check("Pruned");
-  if (options.min_support > 0 && splat.support.empty()) {
+  if (options.min_support > 0 && splat.marks.support.empty()) {
     throw InputError(
         "{}: says nothing of the support of its Gaussians, which --min-support goes by; give a model that "
         "oraclegs has trained and evaluated, or leave the option out",
+        file);
+  }
+  if (options.max_uncertainty < 1 && splat.marks.uncertainty.empty()) {
+    throw InputError(
+        "{}: says nothing of how sure its Gaussians are, which --max-uncertainty goes by; give a model that oraclegs "
+        "has "
+        "trained, or leave the option out",
         file);
   }
   const float* logits = gaussians.opacity_logits.data();
@@ -41,14 +48,15 @@ GaussianPly Pruned(const GaussianPly& splat, const ExportOptions& options, const
   std::vector<int64_t> kept;
   for (int64_t i = 0; i < gaussians.size(); ++i) {
     const Eigen::Vector3d mean = Eigen::Map<const Eigen::Vector3f>(gaussians.means.data() + 3 * i).cast<double>();
-    const bool keep = Sigmoid(logits[i]) >= options.min_opacity && crop.Holds(mean) &&
-                      (outliers.empty() || !outliers[i]) &&
-                      (options.min_support <= 0 || splat.support[i] >= static_cast<float>(options.min_support));
+    const bool keep =
+        Sigmoid(logits[i]) >= options.min_opacity && crop.Holds(mean) && (outliers.empty() || !outliers[i]) &&
+        (options.min_support <= 0 || splat.marks.support[i] >= static_cast<float>(options.min_support)) &&
+        (options.max_uncertainty >= 1 || splat.marks.uncertainty[i] <= static_cast<float>(options.max_uncertainty));
     if (keep) kept.push_back(i);
   }
   if (options.max_gaussians > 0) kept = MostPresent(gaussians, std::move(kept), options.max_gaussians);
   return {Picked(gaussians, kept), std::min(options.sh_degree, splat.sh_degree), splat.comments,
-          Picked(splat.support, kept), splat.antialiased};
+          Picked(splat.marks, kept), splat.antialiased};
 }
 
 void CheckExport(const ExportFiles& files, const ExportOptions& options) {
@@ -86,8 +94,9 @@ ExportResult ExportSplat(const ExportFiles& files, const ExportOptions& options,
   }
   GaussianPly kept = Pruned(splat, options, crop, file);
   if (kept.gaussians.size() == 0) {
-    throw UsageError("{}: no Gaussian is left of {}; lower --min-opacity or --min-support, or crop less", file,
-                     splat.gaussians.size());
+    throw UsageError(
+        "{}: no Gaussian is left of {}; lower --min-opacity or --min-support, raise --max-uncertainty, or crop less",
+        file, splat.gaussians.size());
   }
   const std::optional<double> unit = UnitMetersOf(splat.comments);
   const double scale = options.scale.ValueOr(unit.value_or(1));

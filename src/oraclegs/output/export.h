@@ -14,6 +14,7 @@ struct ExportOptions {
   int sh_degree = 3;
   double min_opacity = 0;
   double min_support = 0;
+  double max_uncertainty = 1;
   int max_gaussians = 0;
   bool remove_outliers = false;
   std::string crop = {};
@@ -28,6 +29,11 @@ struct ExportOptions {
           "Gaussians that the images support less are left out: 0.25 the weakly supported, 0.5 also the proposed, "
           "0.75 also those of one image; needs a model that this program trained",
           Range{0, 1});
+    visit(
+        "max-uncertainty", self.max_uncertainty,
+        "Gaussians that are less sure than this are left out: the error of their color to expect, in shares of white; "
+        "0.05 leaves little to doubt; needs a model that this program trained",
+        Range{0, 1});
     visit("max-gaussians", self.max_gaussians, "Keep this many, those of most opacity times area; 0 = all",
           Range{0, 1e9});
     visit("remove-outliers", self.remove_outliers, "Leave out small Gaussians that are far from all others");

@@ -7,7 +7,7 @@
 #include "oraclegs/evaluate/image_names.h"
 #include "oraclegs/image/codecs.h"
 #include "oraclegs/output/report/ffmpeg.h"
-#include "oraclegs/output/value_images.h"
+#include "oraclegs/output/report/value_images.h"
 #include "oraclegs/settings/device.h"
 #include "oraclegs/stages/stage_clock.h"
 

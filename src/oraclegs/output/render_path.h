@@ -37,7 +37,7 @@ struct RenderPathOptions {
           "or smoothly through the training views in their order");
     visit("what", self.what,
           "What to render, separated by commas: color, depth (near is yellow), normals (camera frame), support (how "
-          "well each Gaussian is supported by images)");
+          "well each Gaussian is supported by images), uncertainty (the error to expect, yellow is large)");
     visit("frames", self.frames, "Images of orbit, spiral and interpolate", Range{1, 1e5});
     visit("fps", self.fps, "Images per second of the video", Range{1, 240});
     visit("video", self.video, "Also write video.mp4 among the images, when ffmpeg is installed");

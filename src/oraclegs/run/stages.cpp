@@ -18,7 +18,7 @@ const std::vector<Stage>& Stages() {
       {"propose", 3, {"depth", "proxies"}, ProposeStage()},
       {"validate", 4, {"propose"}, ValidateStage()},
       {"train", 1, {"sfm", "depth", "validate"}, TrainStage()},
-      {"evaluate", 2, {"train"}, EvaluateStage()},
+      {"evaluate", 3, {"train"}, EvaluateStage()},
       {"report", 1, {"evaluate"}, ReportStage()},
   };
   return stages;

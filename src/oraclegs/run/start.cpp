@@ -185,7 +185,7 @@ void RefreshUnit(const Run& run) {
     const GaussianPly splat = ReadIntactGaussianPly(ply);
     if (UnitMetersOf(splat.comments) == run.frame.unit_meters) return;
     WriteGaussianPly(ply, splat.gaussians, splat.sh_degree, WithUnit(splat.comments, run.frame.unit_meters),
-                     splat.support);
+                     splat.marks);
   } catch (const InputError&) {  // the stages make a damaged file again
   }
 }

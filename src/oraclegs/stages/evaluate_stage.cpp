@@ -5,7 +5,7 @@
 #include "oraclegs/core/host.h"
 #include "oraclegs/core/statistics.h"
 #include "oraclegs/evaluate/evaluate.h"
-#include "oraclegs/evaluate/support_quality.h"
+#include "oraclegs/evaluate/trust_quality.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/gaussians/transform.h"
 #include "oraclegs/scene/frame.h"
@@ -48,6 +48,12 @@ std::function<void(size_t, const Buffer<float>&)> ExposureOfPlaces(const Run& ru
   return [of_views](size_t view, const Buffer<float>& render) { ShowThrough(of_views[view], render); };
 }
 
+/// Adds what is known of whether the model is right about where it can be trusted.
+void AddTrust(const TrustQuality& quality, nlohmann::json* record) {
+  if (quality.support) (*record)["support"] = ToJson(*quality.support);
+  if (quality.uncertainty) (*record)["uncertainty"] = ToJson(*quality.uncertainty);
+}
+
 void UndoEvaluate(Run* run, const nlohmann::json&) {
   for (const char* part : {"test", "train"}) {
     const fs::path dir = run->workspace.renders(part);
@@ -78,9 +84,7 @@ std::optional<nlohmann::json> MakeEvaluate(Run* run, const std::string&) {
                            {"peak_memory_bytes", PeakMemoryBytes()},
                            {"files", {"metrics.json"}}};
   if (!held_out) record["train_views"] = std::move(scores);
-  if (!model.support.empty() && held_out) {
-    record["support"] = ToJson(MeasureSupport(model.gaussians, model.support, views, model.render));
-  }
+  if (held_out) AddTrust(MeasureTrust(model.gaussians, model.marks, views, model.render, extras.expose), &record);
   record["seconds"] = watch.Seconds();
   WriteFileAtomically(workspace.metrics(), MetricsToJson(*run, record).dump(2) + "\n");
   return record;
@@ -135,7 +139,7 @@ Model LoadModel(const fs::path& ply, const RunOptions& options, Device device, c
   return {std::move(file.gaussians),
           {BackgroundColor(options.image.background), file.sh_degree, options.train.antialiased || file.antialiased},
           PartsInComments(file.comments),
-          std::move(file.support),
+          std::move(file.marks),
           unit};
 }
 

@@ -6,6 +6,7 @@
 
 #include "oraclegs/evaluate/evaluate.h"
 #include "oraclegs/gaussians/gaussians.h"
+#include "oraclegs/gaussians/selection.h"
 #include "oraclegs/render/render.h"
 #include "oraclegs/stages/run_observer.h"
 #include "oraclegs/stages/stage.h"
@@ -17,7 +18,7 @@ struct Model {
   Gaussians gaussians;
   RenderOptions render;
   std::vector<std::string> non_commercial = {};  ///< networks that its file says it was made with
-  std::vector<float> support = {};               ///< [N] in [0, 1], how well each is supported; empty = not known
+  GaussianMarks marks = {};                      ///< what the file says of each
   std::optional<double> unit_meters = {};        ///< length of a unit of the file, or of the scene; nothing = not known
 };
 

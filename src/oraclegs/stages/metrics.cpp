@@ -109,7 +109,9 @@ nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_reco
   nlohmann::json metrics;
   metrics["test"] = evaluate_record.at("test");
   if (evaluate_record.contains("train_views")) metrics["train_views"] = evaluate_record.at("train_views");
-  if (evaluate_record.contains("support")) metrics["support"] = evaluate_record.at("support");
+  for (const char* part : {"support", "uncertainty"}) {
+    if (evaluate_record.contains(part)) metrics[part] = evaluate_record.at(part);
+  }
   metrics["gaussians"] = evaluate_record.at("gaussians");
   metrics["stages"]["evaluate"]["seconds"] = evaluate_record.at("seconds");
   for (const Stage& stage : *run.stages) {

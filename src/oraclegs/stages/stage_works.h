@@ -1,6 +1,7 @@
 #pragma once
 // Works of the stages, in the order of run/stages.cpp; that of "evaluate" is in evaluate_stage.h.
 
+#include "oraclegs/gaussians/selection.h"
 #include "oraclegs/stages/stage.h"
 
 namespace oraclegs {
@@ -59,7 +60,7 @@ StageWork ValidateStage();
 StageWork TrainStage();
 
 /// Writes Gaussians in the run's coordinates as point_cloud.ply, without their far dust and with the comments of the
-/// run. `support` is empty or has a number of each. Returns the number written.
-int64_t WriteSplat(const Run& run, const Gaussians& gaussians, const std::vector<float>& support);
+/// run. Returns the number written.
+int64_t WriteSplat(const Run& run, const Gaussians& gaussians, const GaussianMarks& marks);
 
 }  // namespace oraclegs

@@ -9,6 +9,7 @@
 #include "oraclegs/core/host.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/evaluate/support.h"
+#include "oraclegs/evaluate/uncertainty.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/gaussians/selection.h"
 #include "oraclegs/gaussians/transform.h"
@@ -30,6 +31,8 @@ namespace oraclegs {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr size_t kUncertainProposals = 24;  // enough to see each Gaussian
 
 void AddStartFile(const Run& run, Fingerprint* key) {
   if (const fs::path& file = run.options.start.init_points; !file.empty()) key->AddFile(file);
@@ -229,18 +232,42 @@ ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) 
   return ready;
 }
 
+/// The proxy models that the run has, as they were when they had seen all views.
+std::vector<Gaussians> ProxiesOf(const Run& run) {
+  std::vector<Gaussians> models;
+  if (!ProxiesAlonePropose(run)) return models;
+  for (const nlohmann::json& file : run.workspace.Record("proxies").at("files")) {
+    const std::string name = file.get<std::string>();
+    if (name.find("_before") != std::string::npos) continue;
+    models.push_back(ReadGaussianPly(run.workspace.root() / name).gaussians.To(run.plan.device));
+  }
+  return models;
+}
+
+/// Cameras of the images, and of at most kUncertainProposals proposals, evenly.
+std::vector<Camera> JudgedCameras(const std::vector<SupportView>& views) {
+  std::vector<Camera> images, proposals;
+  for (const SupportView& view : views) (view.is_proposal ? proposals : images).push_back(view.camera);
+  const size_t count = std::min(proposals.size(), kUncertainProposals);
+  for (size_t i = 0; i < count; ++i) images.push_back(proposals[i * proposals.size() / count]);
+  return images;
+}
+
 /// Empty, after a warning, where memory does not suffice. The trained model is not lost when the user stops it here.
-std::vector<float> SupportOfModel(const Run& run, const ReadyTrainer& ready) {
+GaussianMarks MarksOfModel(const Run& run, const ReadyTrainer& ready) {
   const Trainer& trainer = *ready.trainer;
   RenderOptions render;
+  render.background = BackgroundColor(run.options.image.background);
   render.antialiased = run.options.train.antialiased;
   try {
-    return Support(trainer.gaussians(), ready.views, render);
+    Uncertainty uncertainty(trainer.gaussians(), ProxiesOf(run), render, run.options.start.seed);
+    return {Support(trainer.gaussians(), ready.views, render), uncertainty.OfGaussians(JudgedCameras(ready.views))};
   } catch (const Interrupted&) {
     WriteCheckpoint(CheckpointPath(run.workspace.checkpoints(), trainer.iteration()), trainer.MakeCheckpoint());
     throw;
   } catch (const OutOfMemory& error) {
-    run.listener(Warning{fmt::format("{}; the splat does not say what supports its Gaussians", error.what())});
+    run.listener(Warning{
+        fmt::format("{}; the splat does not say what supports its Gaussians, nor how sure they are", error.what())});
     return {};
   }
 }
@@ -249,7 +276,7 @@ std::vector<float> SupportOfModel(const Run& run, const ReadyTrainer& ready) {
 int64_t WriteModel(const Run& run, const ReadyTrainer& ready) {
   const WorkspacePaths& paths = run.workspace;
   const Trainer& trainer = *ready.trainer;
-  const int64_t written = WriteSplat(run, trainer.gaussians(), SupportOfModel(run, ready));
+  const int64_t written = WriteSplat(run, trainer.gaussians(), MarksOfModel(run, ready));
   std::error_code ignored;
   fs::remove(paths.exposures(), ignored);
   if (!trainer.exposures().empty()) {
@@ -289,7 +316,7 @@ std::optional<nlohmann::json> MakeTrain(Run* run, const std::string&) {
 
 }  // namespace
 
-int64_t WriteSplat(const Run& run, const Gaussians& gaussians, const std::vector<float>& support) {
+int64_t WriteSplat(const Run& run, const Gaussians& gaussians, const GaussianMarks& marks) {
   std::vector<std::string> comments = FrameComments(run.frame);
   for (std::string& comment : LicenseComments(NonCommercialParts(run.workspace)))
     comments.push_back(std::move(comment));
@@ -299,7 +326,7 @@ int64_t WriteSplat(const Run& run, const Gaussians& gaussians, const std::vector
   const Gaussians model = Picked(gaussians, rows);
   WriteGaussianPly(run.workspace.point_cloud(),
                    written_from_run.IsIdentity() ? model : Transformed(model, written_from_run),
-                   run.options.train.sh_degree, comments, Picked(support, rows));
+                   run.options.train.sh_degree, comments, Picked(marks, rows));
   return model.size();
 }
 

@@ -60,6 +60,8 @@ constexpr std::array kFields = {Field{"key", IsText},
                                 Field{"chosen", IsObject},
                                 Field{"milliseconds_per_iteration", IsObjectOrNull},
                                 Field{"test", IsObject},
+                                Field{"support", IsObject},
+                                Field{"uncertainty", IsObject},
                                 Field{"of", IsText},
                                 Field{"worth", IsNumber}};
 

@@ -76,7 +76,7 @@ TEST_F(ReportViewsTest, AdvisesWhereLittleIsSupported) {
   GiveProposal(run, training[0].camera);
   Model model = LoadModel(*temp / "out/point_cloud.ply", request->options, kCpu, run.frame);
   const ReportFiles files(other.out);
-  model.support.assign(model.support.size(), 0.1f);
+  model.marks.support.assign(model.marks.support.size(), 0.1f);
   ReportViews weak(run, files, &model);
   for (const LoadedView& view : training) weak.AddTraining(view);
   weak.AddProposals();
@@ -84,7 +84,7 @@ TEST_F(ReportViewsTest, AdvisesWhereLittleIsSupported) {
   const nlohmann::json advice = weak.Advice()[0];
   EXPECT_THAT(advice["text"].get<std::string>(), testing::HasSubstr("near " + training[0].name));
   EXPECT_EQ(weak.Rows()[advice["view"].get<size_t>()]["role"], "proposal") << "a picture of the place";
-  model.support.assign(model.support.size(), 1.f);
+  model.marks.support.assign(model.marks.support.size(), 1.f);
   std::fill_n(model.gaussians.opacity_logits.data(), model.gaussians.size(), 10.f);
   for (int64_t i = 0; i < 3 * model.gaussians.size(); ++i) model.gaussians.log_scales[i] += 2;
   ReportViews enough(run, files, &model);

@@ -54,7 +54,7 @@ TEST(ShownPart, RefusesNothing) {
 
 TEST(WriteSplatSite, MakesADocumentOfAFile) {
   TempDir temp;
-  WriteGaussianPly(temp / "a.ply", Row(5), 1, {}, {0, 0.25, 0.5, 0.75, 1});
+  WriteGaussianPly(temp / "a.ply", Row(5), 1, {}, {{0, 0.25, 0.5, 0.75, 1}, {0, 0.1f, 0.2f, 0.3f, 1}});
   fs::create_directory(temp / "site");
   WriteSplatSite(temp / "a.ply", temp / "site", Silent());
   Site site(temp / "site");
@@ -68,13 +68,16 @@ TEST(WriteSplatSite, MakesADocumentOfAFile) {
   EXPECT_EQ(document.at("splat").at("bytes"), spz.size());
   EXPECT_EQ(DecodeSpz(spz, "spz").gaussians.size(), 5);
   EXPECT_EQ(site.File("support.bin").value().ReadAll(10), std::string("\x00\x40\x80\xbf\xff", 5));
+  EXPECT_EQ(site.File("uncertainty.bin").value().ReadAll(10), std::string("\x00\x55\xaa\xff\xff", 5))
+      << "1 is off by 0.3";
 }
 
-TEST(WriteSplatSite, WithoutSupportThereIsNone) {
+TEST(WriteSplatSite, WithoutMarksThereAreNone) {
   TempDir temp;
   WriteGaussianPly(temp / "a.ply", Row(2), 0);
   WriteSplatSite(temp / "a.ply", temp.path(), Silent());
   EXPECT_FALSE(fs::exists(temp / "support.bin"));
+  EXPECT_FALSE(fs::exists(temp / "uncertainty.bin"));
   EXPECT_TRUE(nlohmann::json::parse(ReadFile(temp / "report" / "run.json")).at("splat").at("support").is_null());
 }
 

@@ -1,6 +1,6 @@
 // The splat in 3D inside the report. Nothing of it is unpacked before it is asked for.
 import packed from 'packed:scene';
-import {bytesOf, fromBase64} from '../shared/bytes.js';
+import {fromBase64, splatOf} from '../shared/bytes.js';
 import {h, fill, put} from '../shared/dom.js';
 import {ROLES} from '../shared/roles.js';
 import {CompareOverlay} from '../ui/compare_overlay.js';
@@ -32,11 +32,11 @@ async function open(run, stage, note, tools) {
   if (!document.createElement('canvas').getContext('webgl2')) throw new Error('this browser has no WebGL 2, or it is switched off');
   say(note, 'Loading the splat …');
   const {SplatScene} = await unpackScene();
-  const [bytes, support] = await Promise.all([bytesOf(run.splat.url), run.splat.support?.url && bytesOf(run.splat.support.url)]);
+  const splat = await splatOf(run.splat, (url) => url);
   const scene = new SplatScene(stage, {wheelNeedsFocus: true});
   const overlay = new CompareOverlay(stage, scene, (url) => url, () => overlay.hide());
   scene.setDocument(run);
-  await scene.setSplat({bytes, format: run.splat.format ?? 'spz', support: support && new Uint8Array(support)});
+  await scene.setSplat(splat);
   say(note, '');
   stage.querySelector('.poster')?.remove();
 
@@ -53,7 +53,7 @@ async function open(run, stage, note, tools) {
   suggestions.setRun(run);
   const chooser = viewChooser(run.views ?? [], goTo);
   const modes = new ModePanel((mode, hideBelow) => scene.show(mode, hideBelow));
-  modes.setCounts(scene.classCounts);
+  modes.setKnown(scene.marks, scene.classCounts);
   modes.element.append(new LensSlider(scene).element);
   const roles = new RoleToggles((visible) => scene.setVisible(visible));
   roles.setViews(scene.views);

@@ -3,7 +3,7 @@ import {h} from '../shared/dom.js';
 import {number} from '../shared/format.js';
 import {CLASSES} from '../shared/support_classes.js';
 import {imageSlider} from '../ui/image_slider.js';
-import {plasmaLegend} from '../ui/plasma_legend.js';
+import {errorLegend, plasmaLegend} from '../ui/plasma_legend.js';
 import {swatch} from '../ui/swatches.js';
 
 const MAX_OPEN = 8;  // invented views that are shown without a click
@@ -16,16 +16,16 @@ export function comparisons(run) {
   const step = Math.max(1, Math.ceil(trained.length / MAX_TRAINED));
   const views = of('test').length ? of('test') : trained.filter((_, i) => i % step === 0);
   if (views.length === 0) return null;
-  const supported = views.some((view) => view.support?.url);
+  const supported = views.some((view) => view.support?.url), unsure = views.some((view) => view.uncertainty?.url);
   return h('div', {},
     h('p', {class: 'lead'}, 'Drag the slider: the render is on the left. The right side shows the photo',
-      views.some((view) => view.error?.url) && ', or where the two differ', supported && ', or how well photos support the render', '.'),
-    supported && supportLegend(),
+      views.some((view) => view.error?.url) && ', or where the two differ', unsure && ', or where the program expects them to, without having seen the photo', supported && ', or how well photos support the render', '.'),
+    unsure && errorLegend(), supported && supportLegend(),
     h('div', {class: 'pairs'}, views.map(pair)));
 }
 
 function pair(view) {
-  const right = [['Photo', view.image], ['Error', view.error], ['Support', view.support]]
+  const right = [['Photo', view.image], ['Error', view.error], ['Expected error', view.uncertainty], ['Support', view.support]]
     .filter(([, image]) => image?.url).map(([label, image]) => ({label, url: image.url}));
   const facts = [Number.isFinite(view.psnr) && `${number(view.psnr, 2)} dB`, Number.isFinite(view.ssim) && `SSIM ${number(view.ssim, 3)}`];
   return h('article', {class: 'pair'}, h('h3', {}, view.name, h('span', {}, facts.filter(Boolean).join(' · '))),

@@ -3,7 +3,7 @@ import {h, put} from '../shared/dom.js';
 import {explorer} from './explorer.js';
 import {film, hero, warnings} from './hero.js';
 import {comparisons, proposals} from './images.js';
-import {calibration, curves, support} from './measures.js';
+import {calibration, certainty, curves, support} from './measures.js';
 import {plan} from './plan.js';
 import {commandAndOptions, licenses} from './record.js';
 import {poses} from './poses.js';
@@ -20,6 +20,7 @@ const SECTIONS = [
   ['next', 'Next photos', 'What to photograph next', next],
   ['scores', 'Scores', 'Scores', scores],
   ['proposals', 'Invented views', 'Invented views, and how sure the program is', proposals],
+  ['certainty', 'Certainty', 'How sure the splat is of itself', certainty],
   ['support', 'Support', 'How well photos support the splat', support],
   ['calibration', 'Trust', 'Is the trust deserved?', calibration],
   ['plan', 'Cameras', 'Cameras and points from above', plan],

@@ -1,4 +1,4 @@
-// Curves of the training, support and calibration.
+// Curves of the training, support, certainty and calibration.
 import {h} from '../shared/dom.js';
 import {number, percent} from '../shared/format.js';
 import {CLASSES} from '../shared/support_classes.js';
@@ -19,12 +19,20 @@ export function support(run) {
   const rows = classes.map((row, i) => ({...row, ...CLASSES[i]}));  // best first in both; a document may have older names
   const column = (key, title, show) => classes.some((c) => Number.isFinite(c[key])) && {name: title, number: true, value: (c) => c[key], cell: (c) => show(c[key])};
   return h('div', {},
-    h('p', {class: 'lead'}, 'Support says how well photos show a Gaussian, and so a pixel. Pixels of low support should have larger errors.',
-      Number.isFinite(run.support.auroc) && ` As a detector of errors above 0.1, low support has an AUROC of ${number(run.support.auroc, 2)}.`),
+    h('p', {class: 'lead'}, 'Support says where a Gaussian comes from: how many photos show it, or whether it was invented.'),
     h('div', {class: 'card'}, table(rows, [
       {name: 'Class', value: (c) => c.name, cell: (c) => h('span', {class: 'class-name'}, swatch(c.color), c.name)},
       column('gaussians', 'Gaussians', (v) => percent(v, 1)), column('share', 'Pixels of test views', (v) => percent(v, 1)),
       column('mean_error', 'Mean error', (v) => number(v, 3))].filter(Boolean), {caption: 'Classes of support'})));
+}
+
+export function certainty(run) {
+  const measured = run.uncertainty;
+  if (!Number.isFinite(measured?.auroc_large_error)) return null;
+  const kept = 100 * (1 - measured.ause_ratio);
+  return h('p', {class: 'lead'}, 'Models that learned from the same photos differ where the photos leave something open. How far they differ is the error to expect. ',
+    `On the test photos, which no model saw, it finds errors above 0.1 with an AUROC of ${number(measured.auroc_large_error, 2)} (0.5 is chance, 1 is perfect), `,
+    `and sorting pixels by it gains ${number(kept, 0)} % of what sorting them by their true errors would.`);
 }
 
 export function calibration(run) {

@@ -1,16 +1,18 @@
-// Gives each Gaussian the color of a mode (shared/modes.js), and hides those with little support. Where there is support,
-// a texel a Gaussian holds the color of its class and its support. Uniforms say what is shown, so a change costs nothing.
+// Gives each Gaussian the color of a mode (shared/modes.js), and hides those with little support. A texel a Gaussian holds
+// what is known of it: its support and its uncertainty. Uniforms say what is shown, so a change costs nothing.
 import {Vector2} from 'three';
 import {RgbaArray, dyno} from '@sparkjsdev/spark';
 import {MODES} from '../shared/modes.js';
-import {CLASSES, classOfByte, rgbOf} from '../shared/support_classes.js';
+import {CLASSES, rgbOf} from '../shared/support_classes.js';
 
 export class Recoloring {
-  // support: Uint8Array, one byte a Gaussian in the order of the splat, 255 = support 1; or nothing.
-  constructor(mesh, support) {
+  // marks: {support, uncertainty}, each a Uint8Array with one byte a Gaussian in the order of the splat, 255 = 1 and the
+  // largest error shown; or nothing.
+  constructor(mesh, marks) {
     this.mesh = mesh;
-    if (support) {
-      this.texels = new RgbaArray({array: texelsOf(support, mesh.numSplats), count: mesh.numSplats});
+    this.marks = marks;
+    if (marks.support || marks.uncertainty) {
+      this.texels = new RgbaArray({array: texelsOf(marks, mesh.numSplats), count: mesh.numSplats});
       this.texels.needsUpdate = true;
     }
     this.mode = dyno.dynoInt(0);
@@ -32,15 +34,16 @@ export class Recoloring {
         ...(this.texels && {texels: this.texels.dyno.type})},
       outTypes: {gsplat: dyno.Gsplat},
       inputs,
-      globals: () => MODES.filter((mode) => mode.ramp).map((mode) => rampFunction(mode.ramp)),
+      globals: () => [...MODES.filter((mode) => mode.ramp).map((mode) => rampFunction(mode)), CLASS_FUNCTION],
       statements: ({inputs: i, outputs: o}) => `
         ${o.gsplat} = ${i.gsplat};
         {
           vec3 own = ${i.gsplat}.rgba.rgb;
           vec3 shown = own;
           float brightness = dot(clamp(own, 0.0, 1.0), vec3(0.2126, 0.7152, 0.0722));
-          vec4 texel = ${i.texels ? `texelFetch(${i.texels}.texture, splatTexCoord(${i.gsplat}.index), 0)` : 'vec4(own, 1.0)'};
-          vec3 support = texel.rgb;
+          vec4 texel = ${i.texels ? `texelFetch(${i.texels}.texture, splatTexCoord(${i.gsplat}.index), 0)` : 'vec4(1.0)'};
+          vec3 support = classColor(texel.r);
+          float uncertainty = texel.g;
           vec3 away = ${i.gsplat}.center - ${i.eye};
           float nearness = (1.0 / max(length(away), 1e-9) - ${i.range}.x) / (${i.range}.y - ${i.range}.x);
           vec3 scales = ${i.gsplat}.scales;
@@ -49,15 +52,15 @@ export class Recoloring {
           vec3 normal = quatVec(vec4(-${i.turn}.xyz, ${i.turn}.w), dot(axis, away) > 0.0 ? -axis : axis) * vec3(1, -1, -1);
           ${MODES.map(({shader}, k) => (shader ? `if (${i.mode} == ${k}) { ${shader} }` : '')).join('\n')}
           ${o.gsplat}.rgba.rgb = shown;
-          if (texel.a + 0.001 < ${i.hideBelow}) ${o.gsplat}.rgba.a = 0.0;
+          if (texel.r + 0.001 < ${i.hideBelow}) ${o.gsplat}.rgba.a = 0.0;
         }
       `.split('\n'),
     }).outputs.gsplat;
   }
 
-  // id: of a mode; one that needs support shows true colors without it. hideBelow: support in [0,1].
+  // id: of a mode; one that needs marks shows true colors without them. hideBelow: support in [0,1].
   set(id, hideBelow) {
-    const at = MODES.findIndex((mode) => mode.id === id && (this.texels || mode.needs !== 'support'));
+    const at = MODES.findIndex((mode) => mode.id === id && (!mode.needs || this.marks[mode.needs]));
     this.mode.value = Math.max(0, at);
     this.hideBelow.value = hideBelow;
     this.mesh.enableViewToObject = this.mode.value > 0;  // the colors follow the camera
@@ -75,11 +78,20 @@ export class Recoloring {
   }
 }
 
-function rampFunction(colors) {
-  const stops = colors.map((color) => `vec3(${rgbOf(color).map((v) => (v / 255).toFixed(4)).join(', ')})`);
+const glsl = (color) => `vec3(${rgbOf(color).map((v) => (v / 255).toFixed(4)).join(', ')})`;
+
+// The color of a support's class; a quarter of a byte's step keeps the borders of the classes.
+const CLASS_FUNCTION = `
+    vec3 classColor(float support) {
+      ${CLASSES.map(({from, color}) => `if (support + 0.001 >= ${from.toFixed(4)}) return ${glsl(color)};`).join('\n')}
+      return vec3(0.0);
+    }`;
+
+function rampFunction({id, ramp: colors}) {
+  const stops = colors.map(glsl);
   const last = colors.length - 1;
   return `
-    vec3 ramp(float value) {
+    vec3 ${id}Ramp(float value) {
       vec3 stops[${colors.length}] = vec3[](${stops.join(', ')});
       float at = clamp(value, 0.0, 1.0) * ${last}.0;
       int below = min(int(at), ${last - 1});
@@ -87,13 +99,8 @@ function rampFunction(colors) {
     }`;
 }
 
-function texelsOf(support, n) {
-  const colors = CLASSES.map((c) => rgbOf(c.color));
+function texelsOf({support, uncertainty}, n) {
   const out = new Uint8Array(Math.ceil(n / 2048) * 2048 * 4);
-  for (let i = 0; i < n; i++) {
-    const value = support[i] ?? 255;
-    const [r, g, b] = colors[classOfByte(value)];
-    out.set([r, g, b, value], 4 * i);
-  }
+  for (let i = 0; i < n; i++) out.set([support?.[i] ?? 255, uncertainty?.[i] ?? 255, 0, 255], 4 * i);
   return out;
 }

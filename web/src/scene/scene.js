@@ -66,19 +66,20 @@ export class SplatScene extends EventTarget {
     this.lens();
   }
 
-  // bytes: ArrayBuffer; support: Uint8Array or nothing. Takes the place of the splat before, which is freed.
-  async setSplat({bytes, format, support}) {
+  // bytes: ArrayBuffer; support, uncertainty: Uint8Array or nothing. Takes the place of the splat before, which is freed.
+  async setSplat({bytes, format, support, uncertainty}) {
     const ticket = (this.ticket = (this.ticket ?? 0) + 1);
     const mesh = await decodeSplat(bytes, format);
     if (ticket !== this.ticket) {
       mesh.dispose();
       return;
     }
-    const known = support && support.length >= mesh.numSplats ? support.subarray(0, mesh.numSplats) : undefined;
+    const whole = (marks) => (marks && marks.length >= mesh.numSplats ? marks.subarray(0, mesh.numSplats) : undefined);
     this.removeSplat();
+    this.marks = {support: whole(support), uncertainty: whole(uncertainty)};
     this.mesh = mesh;
-    this.recoloring = new Recoloring(mesh, known);
-    this.classCounts = known && countClasses(known);
+    this.recoloring = new Recoloring(mesh, this.marks);
+    this.classCounts = this.marks.support && countClasses(this.marks.support);
     this.someCenters = centersOf(mesh, RANGE_CENTERS);
     if (!this.placed) {
       this.centers = centersOf(mesh);
@@ -95,7 +96,7 @@ export class SplatScene extends EventTarget {
     this.stage.scene.remove(this.mesh);
     this.recoloring.dispose();
     this.mesh.dispose();
-    this.mesh = this.recoloring = this.classCounts = this.someCenters = undefined;
+    this.mesh = this.recoloring = this.marks = this.classCounts = this.someCenters = undefined;
   }
 
   get gaussians() {

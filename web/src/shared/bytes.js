@@ -17,3 +17,12 @@ export function fromBase64(text) {
   for (let i = 0; i < binary.length; i++) out[i] = binary.charCodeAt(i);
   return out;
 }
+
+// What a splat's entry of the document names: its bytes and what is known of its Gaussians. urlOf: from its URLs to those to fetch.
+export async function splatOf(entry, urlOf) {
+  const marks = ['support', 'uncertainty'];
+  const [bytes, ...known] = await Promise.all(
+    [entry.url, ...marks.map((mark) => entry[mark]?.url)].map((url) => url && bytesOf(urlOf(url))));
+  const lists = marks.map((mark, i) => [mark, known[i] && new Uint8Array(known[i])]);
+  return {bytes, format: entry.format ?? 'spz', ...Object.fromEntries(lists)};
+}

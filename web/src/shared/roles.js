@@ -9,6 +9,6 @@ export const ROLES = {
 export function imagesOf(view) {
   const all = [
     ['image', ROLES[view.role]?.image ?? 'Image'], ['render', 'Render'], ['error', 'Error map'],
-    ['confidence', 'Trust'], ['support', 'Support map']];
+    ['uncertainty', 'Expected error'], ['confidence', 'Trust'], ['support', 'Support map']];
   return all.filter(([key]) => view[key]?.url).map(([key, label]) => ({key, label, url: view[key].url}));
 }

@@ -25,10 +25,10 @@ export class ModePanel {
       this.note, this.legend, this.ramp, this.hideRow);
   }
 
-  // counts: Gaussians a class of support, or nothing when the splat has no support.
-  setCounts(counts) {
+  // known: what the splat has, {support, uncertainty}; counts: Gaussians a class of support, or nothing.
+  setKnown(known, counts) {
     this.element.hidden = false;
-    this.counts = counts;
+    Object.assign(this, {known, counts});
     for (const [mode, label] of this.labels) label.hidden = !this.can(mode);
     this.hideRow.hidden = !counts;
     if (this.can(this.mode)) this.describe();
@@ -36,7 +36,7 @@ export class ModePanel {
   }
 
   can(mode) {
-    return mode.needs !== 'support' || Boolean(this.counts);
+    return !mode.needs || Boolean(this.known?.[mode.needs]);
   }
 
   // Shows a mode, or true colors when it is shown already.
@@ -62,10 +62,11 @@ export class ModePanel {
     this.onChange(this.mode.id, Number(this.hide.value));
   }
 
-  // The distances at the ends of a ramp.
+  // The distances at the ends of a ramp that has no texts there.
   setRange(range) {
     this.range = range;
-    fill(this.ramp, this.mode.ramp && range && ramp(this.mode.ramp, short(range.far), short(range.near)));
+    const ends = this.mode.ends ?? (range && [short(range.far), short(range.near)]);
+    fill(this.ramp, this.mode.ramp && ends && ramp(this.mode.ramp, ...ends));
   }
 
   describe() {

@@ -119,7 +119,7 @@ if (scene) {
 }
 
 function shown() {
-  modes.setCounts(scene.classCounts);
+  modes.setKnown(scene.marks, scene.classCounts);
   imageButton.hidden = false;
   showFacts();
 }

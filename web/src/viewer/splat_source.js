@@ -1,5 +1,5 @@
-// Which splat the page shows: while training the newest snapshot, afterwards the final one with its support.
-import {bytesOf} from '../shared/bytes.js';
+// Which splat the page shows: while training the newest snapshot, afterwards the final one with what is known of its Gaussians.
+import {splatOf} from '../shared/bytes.js';
 import {fileUrl} from './session.js';
 
 export class SplatSource {
@@ -25,9 +25,7 @@ export class SplatSource {
     this.loading = wanted.key;
     try {
       if (!this.shown) this.onState('Loading the splat …');
-      const [bytes, support] = await Promise.all([
-        bytesOf(fileUrl(wanted.url)), wanted.support?.url ? bytesOf(fileUrl(wanted.support.url)) : undefined]);
-      await this.scene.setSplat({bytes, format: wanted.format, support: support && new Uint8Array(support)});
+      await this.scene.setSplat(await splatOf(wanted, fileUrl));
       this.shown = wanted.key;
       this.isLive = wanted.key.startsWith('live');
       this.onState('');

@@ -7,8 +7,10 @@
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/depth/silhouettes.h"
+#include "oraclegs/evaluate/uncertainty.h"
 #include "oraclegs/image/colormap.h"
 #include "oraclegs/image/read_image.h"
+#include "oraclegs/output/report/value_images.h"
 #include "oraclegs/propose/nearest_order.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/render/recolor.h"
@@ -20,8 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kReportedProposals = 32;
-constexpr float kLargestShownError = 0.3f;  // mean over the channels; the color of larger ones is that of this
-constexpr double kWellSupported = 0.85;     // share of a proposal's pixels; above it no photo is suggested
+constexpr double kWellSupported = 0.85;  // share of a proposal's pixels; above it no photo is suggested
 constexpr size_t kLargestAdvice = 3;
 
 /// Colors of the values, which are width * height.
@@ -82,10 +83,12 @@ std::vector<size_t> ByDistance(const Camera& from, const std::vector<Camera>& ca
 /// Renders the model in its own colors and in the colors of its support.
 struct ReportViews::Renderer {
   explicit Renderer(const Model& of) : model(of), rasterizer(MakeRasterizer(of.gaussians.means.device())) {
-    if (!of.support.empty()) {
-      tinted = Recolored(of.gaussians, SupportColors(of.support));
-      seen = Recolored(of.gaussians, SeenByTwo(of.support));
+    if (!of.marks.support.empty()) {
+      tinted = Recolored(of.gaussians, SupportColors(of.marks.support));
+      seen = Recolored(of.gaussians, SeenByTwo(of.marks.support));
     }
+    if (!of.marks.uncertainty.empty())
+      uncertain.emplace(of, std::vector{RenderValue::kUncertainty}, std::vector<Camera>());
     flat = of.render;
     flat.sh_degree = 0;
     flat.background = {0, 0, 0};
@@ -121,6 +124,7 @@ struct ReportViews::Renderer {
   const Model& model;
   std::unique_ptr<Rasterizer> rasterizer;
   std::optional<Gaussians> tinted, seen;
+  std::optional<ValueRenderer> uncertain;
   RenderOptions flat;
 };
 
@@ -180,6 +184,9 @@ void ReportViews::AddTest(const LoadedView& view) {
   row["render"] = files_.Image(stem + "_render", render);
   row["error"] = files_.Image(stem + "_error", InColors(errors, truth.width, truth.height));
   if (const auto support = renderer_->Support(view.camera)) row["support"] = files_.Image(stem + "_support", *support);
+  if (renderer_->uncertain) {
+    row["uncertainty"] = files_.Image(stem + "_uncertainty", renderer_->uncertain->Render(view.camera).front());
+  }
   rows_.push_back(std::move(row));
 }
 

@@ -42,7 +42,7 @@ class ReportViews {
   void AddTraining(const LoadedView& view);
   /// Adds the run's proposals, at most 32, with confidence and nearest training view, as far as their files exist.
   void AddProposals();
-  /// Adds a test view with error and support of each pixel. Does nothing without a model.
+  /// Adds a test view with error, expected error and support of each pixel. Does nothing without a model.
   void AddTest(const LoadedView& view);
 
   const nlohmann::json& Rows() const;

@@ -10,6 +10,7 @@
 #include "oraclegs/core/statistics.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/core/unique_json.h"
+#include "oraclegs/evaluate/uncertainty.h"
 #include "oraclegs/formats/codecs.h"
 #include "oraclegs/formats/spatial_order.h"
 #include "oraclegs/formats/values.h"
@@ -96,8 +97,11 @@ json SplatOf(const Model& model, const ReportFiles& files) {
   splat["gaussians"] = model.gaussians.size();
   splat["bytes"] = spz.size();
   splat["sh_degree"] = model.render.sh_degree;
-  if (model.support.empty()) return splat;
-  splat["support"] = files.Bytes("support.bin", SupportBytes(Picked(model.support, order)));
+  const GaussianMarks marks = Picked(model.marks, order);
+  if (!marks.support.empty()) splat["support"] = files.Bytes("support.bin", MarkBytes(marks.support, 1));
+  if (!marks.uncertainty.empty()) {
+    splat["uncertainty"] = files.Bytes("uncertainty.bin", MarkBytes(marks.uncertainty, kLargestShownError));
+  }
   return splat;
 }
 
@@ -125,11 +129,11 @@ json PlanOf(const Model& model, const ReportFiles& files) {
 
 /// Shares of the Gaussians, added to those of the pixels.
 json SupportOf(const Model& model, const json& metrics) {
-  if (model.support.empty()) return nullptr;
+  if (model.marks.support.empty()) return nullptr;
   json support = metrics.value("support", json::object());
   std::array<double, kSupportClasses> shares{};
-  for (const float value : model.support)
-    shares[static_cast<size_t>(SupportClassOf(value))] += 1.0 / static_cast<double>(model.support.size());
+  for (const float value : model.marks.support)
+    shares[static_cast<size_t>(SupportClassOf(value))] += 1.0 / static_cast<double>(model.marks.support.size());
   if (!support.contains("classes")) {
     for (int c = 0; c < kSupportClasses; ++c)
       support["classes"].push_back({{"name", NameOf(static_cast<SupportClass>(c))}});
@@ -325,6 +329,7 @@ json WriteRunDocument(Run* run, const Model& model, const fs::path& video) {
   const std::vector<CurveRow> curve = ReadCurves(run->workspace.curves());
   document["curves"] = curve.empty() ? json::array() : CurvesToJson(curve);
   document["support"] = SupportOf(model, metrics);
+  document["uncertainty"] = metrics.value("uncertainty", json());
   document["registration"] = RegistrationOf(*run, views.Advice());
   document["poses"] = metrics.value("poses", json());
   document["calibration"] = CalibrationOf(*run);

@@ -13,6 +13,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/statistics.h"
+#include "oraclegs/evaluate/uncertainty.h"
 #include "oraclegs/formats/codecs.h"
 #include "oraclegs/formats/splat_file.h"
 #include "oraclegs/formats/values.h"
@@ -75,7 +76,7 @@ GaussianPly ShownPart(GaussianPly splat, const std::string& file, int64_t max, c
   std::vector<int64_t> kept(static_cast<size_t>(all));
   std::iota(kept.begin(), kept.end(), 0);
   kept = MostPresent(splat.gaussians, std::move(kept), max);
-  return {Picked(splat.gaussians, kept), splat.sh_degree, splat.comments, Picked(splat.support, kept)};
+  return {Picked(splat.gaussians, kept), splat.sh_degree, splat.comments, Picked(splat.marks, kept)};
 }
 
 void WriteSplatSite(const fs::path& file, const fs::path& folder, const Listener& listener) {
@@ -86,14 +87,22 @@ void WriteSplatSite(const fs::path& file, const fs::path& folder, const Listener
   };
   const GaussianPly shown = ShownPart(ReadSplat(file, listening), file.string(), kMaxShownGaussians, listening);
   const std::string spz = EncodeSpz(shown.gaussians, shown.sh_degree);
-  nlohmann::json splat = {
-      {"url", "splat.spz"},           {"format", "spz"},   {"gaussians", shown.gaussians.size()}, {"bytes", spz.size()},
-      {"sh_degree", shown.sh_degree}, {"support", nullptr}};
+  nlohmann::json splat = {{"url", "splat.spz"},
+                          {"format", "spz"},
+                          {"gaussians", shown.gaussians.size()},
+                          {"bytes", spz.size()},
+                          {"sh_degree", shown.sh_degree},
+                          {"support", nullptr},
+                          {"uncertainty", nullptr}};
   splat.update(Framing(shown.gaussians));
   ReplaceFile(folder / "splat.spz", spz);
-  if (!shown.support.empty()) {
+  if (!shown.marks.support.empty()) {
     splat["support"] = {{"url", "support.bin"}};
-    ReplaceFile(folder / "support.bin", SupportBytes(shown.support));
+    ReplaceFile(folder / "support.bin", MarkBytes(shown.marks.support, 1));
+  }
+  if (!shown.marks.uncertainty.empty()) {
+    splat["uncertainty"] = {{"url", "uncertainty.bin"}};
+    ReplaceFile(folder / "uncertainty.bin", MarkBytes(shown.marks.uncertainty, kLargestShownError));
   }
   const nlohmann::json document = {{"format", 1},
                                    {"kind", "file"},

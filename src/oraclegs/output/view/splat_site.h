@@ -30,7 +30,8 @@ inline constexpr int64_t kMaxShownGaussians = 4'000'000;  ///< limit of browsers
 GaussianPly ShownPart(GaussianPly splat, const std::string& file, int64_t max, const Listener& listener);
 
 /// Writes the splat of `file`, in any format, to `folder` in the viewer's form: report/run.json of kind "file",
-/// splat.spz, and support.bin where the file has the support of its Gaussians. Throws InputError, UsageError, RunError.
+/// splat.spz, and support.bin and uncertainty.bin where the file has these marks of its Gaussians. Throws InputError,
+/// UsageError, RunError.
 void WriteSplatSite(const std::filesystem::path& file, const std::filesystem::path& folder, const Listener& listener);
 
 }  // namespace oraclegs

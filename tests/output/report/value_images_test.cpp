@@ -1,4 +1,4 @@
-#include "oraclegs/output/value_images.h"
+#include "oraclegs/output/report/value_images.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "oraclegs/evaluate/uncertainty.h"
+#include "oraclegs/image/colormap.h"
 #include "oraclegs/render/recolor.h"
 #include "support/errors.h"
 
@@ -31,7 +33,11 @@ Model Wall() {
     row.quats[0] = 1;
     row.opacity_logits[0] = 6;
   }
-  model.support.assign(static_cast<size_t>(kCount * kCount), 1);
+  model.marks.support.assign(static_cast<size_t>(kCount * kCount), 1);
+  model.marks.uncertainty.resize(static_cast<size_t>(kCount * kCount));
+  for (int i = 0; i < kCount * kCount; ++i) {
+    model.marks.uncertainty[static_cast<size_t>(i)] = all.From(i).means[0] < 0 ? 0 : kLargestShownError;
+  }
   return model;
 }
 
@@ -68,9 +74,24 @@ TEST(ValueRenderer, ShowsDepthNormalsAndSupport) {
   for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(support[c], color[c], 6);
 }
 
-TEST(ValueRenderer, RefusesSupportThatIsNotKnown) {
+TEST(ValueRenderer, ShowsUncertaintyInTheColorsOfErrors) {
+  const Model model = Wall();
+  ValueRenderer renderer(model, {RenderValue::kUncertainty}, {});
+  Camera away = WallCamera();
+  away.cam_from_world.linear().col(0) *= -1, away.cam_from_world.linear().col(2) *= -1;  // turned around
+  const Image8 image = renderer.Render(WallCamera())[0], empty = renderer.Render(away)[0];
+  for (const auto& [x, error] : {std::pair(6, 0.f), std::pair(26, 1.f)}) {
+    const auto expected = MapColor(ColorMap::kPlasma, error);
+    for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(PixelAt(image, x, 16)[c], expected[c], 6) << x;
+  }
+  EXPECT_EQ(PixelAt(empty, 16, 16), (std::array<int, 3>{0, 0, 0})) << "nothing is drawn";
+}
+
+TEST(ValueRenderer, RefusesMarksThatAreNotKnown) {
   Model model = Wall();
-  model.support.clear();
+  model.marks = {};
+  EXPECT_THAT(MessageOf<InputError>([&] { ValueRenderer(model, {RenderValue::kUncertainty}, {WallCamera()}); }),
+              testing::HasSubstr("uncertainty"));
   EXPECT_THAT(MessageOf<InputError>([&] { ValueRenderer(model, {RenderValue::kSupport}, {WallCamera()}); }),
               testing::HasSubstr("support"));
 }

@@ -1,9 +1,10 @@
-#include "oraclegs/output/value_images.h"
+#include "oraclegs/output/report/value_images.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "oraclegs/evaluate/uncertainty.h"
 #include "oraclegs/image/colormap.h"
 #include "oraclegs/render/recolor.h"
 #include "oraclegs/render/render.h"
@@ -12,6 +13,7 @@
 namespace oraclegs {
 namespace {
 
+constexpr float kDrawn = 0.1f;         // alpha, from which on a pixel shows the model
 constexpr size_t kCamerasForSpan = 8;  // number of renders that decide the range of depth
 constexpr int kNormalReachShare =
     240;  // the longer side over the reach in pixels; smooths the outlines of Gaussians in depth
@@ -60,6 +62,34 @@ Image8 NormalsInColors(const RenderedSurface& surface) {
   return image;
 }
 
+/// Throws InputError when the model lacks the marks that an image is made of.
+void RequireMarks(const std::vector<float>& marks, const char* what) {
+  if (!marks.empty()) return;
+  throw InputError(
+      "the point cloud has no property '{0}' of its Gaussians; train again with this version of oraclegs "
+      "(--overwrite), or leave {0} out of --what",
+      what);
+}
+
+/// [N,3]: each number in three channels.
+Buffer<float> Gray(const std::vector<float>& values) {
+  Buffer<float> colors = Buffer<float>::Empty({static_cast<int64_t>(values.size()), 3});
+  for (size_t i = 0; i < values.size(); ++i) std::fill_n(colors.data() + 3 * i, 3, values[i]);
+  return colors;
+}
+
+/// The mean of what a pixel blends, in the colors of errors; `render` is of Gaussians in gray, on black.
+Image8 ErrorColors(const RenderOutput& render, const Camera& camera) {
+  const Buffer<float> blended = render.image.To(kCpu), alpha = render.alpha.To(kCpu);
+  Image8 image = BlankRgb(camera);
+  for (int64_t p = 0; p < alpha.count(); ++p) {
+    if (alpha[p] < kDrawn) continue;
+    const auto rgb = MapColor(ColorMap::kPlasma, blended[3 * p] / alpha[p] / kLargestShownError);
+    std::copy(rgb.begin(), rgb.end(), image.data.begin() + 3 * p);
+  }
+  return image;
+}
+
 }  // namespace
 
 std::vector<RenderValue> ParseRenderValues(const std::string& text) {
@@ -85,19 +115,20 @@ struct ValueRenderer::Impl {
   std::vector<RenderValue> values;
   std::unique_ptr<Rasterizer> rasterizer;
   std::pair<float, float> span = {};  // range of inverse depth, for its colors
-  Gaussians in_support_colors = {};
+  Gaussians in_support_colors = {}, in_uncertainty = {};
 };
 
 ValueRenderer::ValueRenderer(const Model& model, std::vector<RenderValue> values, const std::vector<Camera>& cameras)
     : impl_(new Impl{model, std::move(values), MakeRasterizer(model.gaussians.device())}) {
   if (impl_->Wants(RenderValue::kDepth)) impl_->span = InverseDepthSpan(model, cameras, impl_->rasterizer.get());
-  if (!impl_->Wants(RenderValue::kSupport)) return;
-  if (model.support.empty()) {
-    throw InputError(
-        "the point cloud does not say how its Gaussians are supported (it has no property 'support'); train again with "
-        "this version of oraclegs (--overwrite), or leave support out of --what");
+  if (impl_->Wants(RenderValue::kSupport)) {
+    RequireMarks(model.marks.support, "support");
+    impl_->in_support_colors = Recolored(model.gaussians, SupportColors(model.marks.support));
   }
-  impl_->in_support_colors = Recolored(model.gaussians, SupportColors(model.support));
+  if (impl_->Wants(RenderValue::kUncertainty)) {
+    RequireMarks(model.marks.uncertainty, "uncertainty");
+    impl_->in_uncertainty = Recolored(model.gaussians, Gray(model.marks.uncertainty));
+  }
 }
 
 ValueRenderer::~ValueRenderer() = default;
@@ -108,8 +139,10 @@ std::vector<Image8> ValueRenderer::Render(const Camera& camera) {
     const auto at = std::find(impl_->values.begin(), impl_->values.end(), value);
     if (at != impl_->values.end()) images[static_cast<size_t>(at - impl_->values.begin())] = image();
   };
-  const bool only_support = impl_->values.size() == 1 && impl_->Wants(RenderValue::kSupport);
-  if (!only_support) {
+  const auto is_mark = [](RenderValue value) {
+    return value == RenderValue::kSupport || value == RenderValue::kUncertainty;
+  };
+  if (!std::all_of(impl_->values.begin(), impl_->values.end(), is_mark)) {
     const auto render =
         impl_->rasterizer->Forward(impl_->model.gaussians, camera, impl_->model.render, RenderPass::kInference);
     put(RenderValue::kColor, [&] { return ToImage8(render.image); });
@@ -120,11 +153,16 @@ std::vector<Image8> ValueRenderer::Render(const Camera& camera) {
       put(RenderValue::kNormals, [&] { return NormalsInColors(surface); });
     }
   }
+  RenderOptions options = impl_->model.render;
+  options.sh_degree = 0;
   put(RenderValue::kSupport, [&] {
-    RenderOptions options = impl_->model.render;
-    options.sh_degree = 0;
     return ToImage8(
         impl_->rasterizer->Forward(impl_->in_support_colors, camera, options, RenderPass::kInference).image);
+  });
+  options.background = {0, 0, 0};
+  put(RenderValue::kUncertainty, [&] {
+    return ErrorColors(impl_->rasterizer->Forward(impl_->in_uncertainty, camera, options, RenderPass::kInference),
+                       camera);
   });
   return images;
 }

@@ -1,0 +1,107 @@
+#include "oraclegs/evaluate/trust_quality.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/evaluate/evaluate.h"
+#include "oraclegs/image/similarity.h"
+#include "oraclegs/render/render.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr float kDrawn = 0.1f;           // alpha, from which on a pixel shows the model
+constexpr int64_t kMaxPixels = 4000000;  // of all views, that are ranked: more take memory and change no digit
+
+/// The marks of the Gaussians as colors, [N,3]: support, uncertainty and 0, each 0 where it is not known.
+Buffer<float> ColorsOf(const GaussianMarks& marks, int64_t n) {
+  Buffer<float> colors = Buffer<float>::Zeros({n, 3});
+  for (const auto& [channel, values] : {std::pair(0, &marks.support), std::pair(1, &marks.uncertainty)}) {
+    if (values->empty()) continue;
+    if (static_cast<int64_t>(values->size()) != n) {
+      throw ShapeError("MeasureTrust: {} numbers of {} Gaussians", values->size(), n);
+    }
+    for (int64_t i = 0; i < n; ++i) colors[3 * i + channel] = (*values)[static_cast<size_t>(i)];
+  }
+  return colors;
+}
+
+/// The pixels that count, of all views.
+struct TrustPixels {
+  std::vector<float> error, support, confidence;
+};
+
+}  // namespace
+
+SupportQuality SupportQuality::FromPixels(const std::vector<float>& error, const std::vector<float>& support) {
+  if (error.size() != support.size()) {
+    throw ShapeError("SupportQuality: {} errors of {} pixels", error.size(), support.size());
+  }
+  SupportQuality quality;
+  quality.pixels = static_cast<int64_t>(error.size());
+  for (size_t i = 0; i < error.size(); ++i) {
+    Class& of = quality.classes[static_cast<size_t>(SupportClassOf(support[i]))];
+    of.share += 1;
+    of.mean_error += error[i];
+  }
+  for (Class& of : quality.classes) {
+    of.mean_error = of.share > 0 ? of.mean_error / of.share : std::numeric_limits<double>::quiet_NaN();
+    of.share /= std::max<double>(1, static_cast<double>(quality.pixels));
+  }
+  return quality;
+}
+
+nlohmann::json ToJson(const SupportQuality& quality) {
+  nlohmann::json classes = nlohmann::json::array();
+  for (size_t i = 0; i < kSupportClasses; ++i) {
+    const SupportQuality::Class& of = quality.classes[i];
+    classes.push_back({{"name", NameOf(static_cast<SupportClass>(i))},
+                       {"share", of.share},
+                       {"mean_error", std::isnan(of.mean_error) ? nlohmann::json() : nlohmann::json(of.mean_error)}});
+  }
+  return {{"pixels", quality.pixels}, {"classes", std::move(classes)}};
+}
+
+TrustQuality MeasureTrust(const Gaussians& gaussians, const GaussianMarks& marks, const std::vector<LoadedView>& views,
+                          const RenderOptions& options,
+                          const std::function<void(size_t view, const Buffer<float>& render)>& expose) {
+  const Gaussians tinted = Recolored(gaussians, ColorsOf(marks, gaussians.size()));
+  RenderOptions on_black = options;
+  on_black.background = {0, 0, 0};
+  on_black.sh_degree = 0;
+  const std::unique_ptr<Rasterizer> rasterizer = MakeRasterizer(gaussians.means.device());
+  int64_t pixels = 0;
+  for (const LoadedView& view : views) pixels += int64_t{view.camera.width} * view.camera.height;
+  const int64_t step = (pixels + kMaxPixels - 1) / kMaxPixels;
+  TrustPixels all;
+  for (size_t v = 0; v < views.size(); ++v) {
+    ThrowIfInterrupted();
+    const LoadedView& view = views[v];
+    const Buffer<float> said =
+        rasterizer->Forward(tinted, view.camera, on_black, RenderPass::kInference).image.To(kCpu).Clone();
+    const RenderOutput out = rasterizer->Forward(gaussians, view.camera, options, RenderPass::kInference);
+    const Buffer<float> image = out.image.To(kCpu).Clone(), alpha = out.alpha.To(kCpu), truth = ToBuffer(view.rgb);
+    for (float& value : image.span()) value = std::clamp(value, 0.f, 1.f);
+    if (expose) expose(v, image);
+    for (int64_t p = 0; p < alpha.count(); p += step) {
+      if (alpha[p] < kDrawn || (!view.mask.empty() && view.mask[static_cast<size_t>(p)] == 0)) continue;
+      float error = 0;
+      for (int64_t c = 3 * p; c < 3 * p + 3; ++c) error += std::abs(std::clamp(image[c], 0.f, 1.f) - truth[c]) / 3;
+      all.error.push_back(error);
+      all.support.push_back(std::clamp(said[3 * p], 0.f, 1.f));
+      all.confidence.push_back(Similarity(std::clamp(said[3 * p + 1] / alpha[p], 0.f, 1.f)));
+    }
+  }
+  TrustQuality quality;
+  if (!marks.support.empty()) quality.support = SupportQuality::FromPixels(all.error, all.support);
+  if (!marks.uncertainty.empty() && !all.error.empty()) {
+    quality.uncertainty = OracleQuality::FromPixels(all.error, all.confidence);
+  }
+  return quality;
+}
+
+}  // namespace oraclegs

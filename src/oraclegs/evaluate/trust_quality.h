@@ -1,0 +1,51 @@
+#pragma once
+// Whether a model is right about where it can be trusted: its support and its uncertainty against errors of renders.
+
+#include <array>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <vector>
+
+#include "oraclegs/evaluate/oracle_quality.h"
+#include "oraclegs/gaussians/gaussians.h"
+#include "oraclegs/gaussians/selection.h"
+#include "oraclegs/render/recolor.h"
+#include "oraclegs/render/render.h"
+#include "oraclegs/scene/loaded_view.h"
+
+namespace oraclegs {
+
+/// Errors of test views by the support rendered there: where what they show comes from.
+struct SupportQuality {
+  struct Class {
+    double share = 0;       ///< fraction of the pixels
+    double mean_error = 0;  ///< |render - truth|, mean over the channels; NaN without pixels
+  };
+  std::array<Class, kSupportClasses> classes;  ///< by SupportClass
+  int64_t pixels = 0;
+
+  /// Quality from the errors and supports of all pixels, lists of one length.
+  static SupportQuality FromPixels(const std::vector<float>& error, const std::vector<float>& support);
+};
+
+/// The quality as JSON: {"pixels", "classes": [{"name", "share", "mean_error"}]}, the best supported class first; NaN
+/// becomes null.
+nlohmann::json ToJson(const SupportQuality& quality);
+
+struct TrustQuality {
+  std::optional<SupportQuality> support;
+  /// Quality of the uncertainty as a prediction of errors; the confidence is the Similarity (image/similarity.h) of an
+  /// error as large as expected.
+  std::optional<OracleQuality> uncertainty;
+};
+
+/// Quality at the views: each view's render against its image, with the marks of the Gaussians blended like a color.
+/// A hole has no support; uncertainty is divided by alpha. Very many pixels are subsampled evenly. Pixels of alpha
+/// below 0.1, where nothing is drawn, and masked ones are left out. `expose`: as in EvaluateExtras. The device is that
+/// of the Gaussians.
+TrustQuality MeasureTrust(const Gaussians& gaussians, const GaussianMarks& marks, const std::vector<LoadedView>& views,
+                          const RenderOptions& options,
+                          const std::function<void(size_t view, const Buffer<float>& render)>& expose = {});
+
+}  // namespace oraclegs
