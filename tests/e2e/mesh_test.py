@@ -89,9 +89,9 @@ class Mesh(EndToEnd):
 
     def test_render_writes_each_value_and_path(self):
         frames = ["--frames", 3, "--no-video", "--quiet"]
-        self.run_program("render", self.out, "--path", "spiral", "--what", "color,depth,normals,support", *frames)
+        self.run_program("render", self.out, "--path", "spiral", "--what", "color,depth,normals,support,uncertainty", *frames)
         folder = self.out / "renders/spiral"
-        for value in ["", "depth", "normals", "support"]:
+        for value in ["", "depth", "normals", "support", "uncertainty"]:
             width, height, channels, pixels = read_png(folder / value / "0001.png")
             self.assertEqual((width, height, channels), (120, 90, 3))
             self.assertGreater(len(set(pixels)), 8, value)

@@ -97,6 +97,7 @@ class Splat(unittest.TestCase):
         self.assertEqual([splat.means.shape, splat.log_scales.shape, splat.quats.shape, splat.opacity_logits.shape, splat.sh.shape],
                          [(n, 3), (n, 3), (n, 4), (n,), (n, 16, 3)])  # fmt: skip
         self.assertEqual(splat.support.shape, (n,))
+        self.assertEqual(splat.uncertainty.shape, (n,))
         self.assertTrue(((splat.opacities >= 0) & (splat.opacities <= 1)).all())
 
     def test_what_is_left_out_is_a_warning(self):
