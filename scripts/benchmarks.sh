@@ -51,7 +51,7 @@ elif what == "support":
     support = read(paths[0])["support"]
     for c in support["classes"]:
         row(c["name"], f"{100 * c['share']:.1f} %", f"{c['mean_error']:.3f}")
-    sure = read(paths[0])["uncertainty"]
+    sure = read(paths[0])["uncertainty"]["models"]
     print(f"\nUncertainty: AUROC for an error above 0.1 {sure['auroc_large_error']:.2f}, AUSE of random {sure['ause_ratio']:.2f}")
 elif what == "files":
     row("file", "MB", "loss at the test views, dB")

@@ -1,5 +1,6 @@
 #include "oraclegs/output/render_path.h"
 #include "oraclegs/output/report/value_images.h"
+#include "oraclegs/workspace/stage_records.h"
 #include "source_command.h"
 
 namespace oraclegs {
@@ -22,7 +23,10 @@ class RenderCommand : public SourceCommand {
     const PosedScene posed = OpenScene(listener);
     const auto ply = SplatFile(listener);
     const Device device = ChooseDevice(options_.device.device, ProbeDevices());
-    const Model model = LoadModel(ply, options_, device, posed.frame, listener);
+    Model model = LoadModel(ply, options_, device, posed.frame, listener);
+    if (const WorkspacePaths run(input_); InputIsWorkspace() && ply == run.point_cloud()) {
+      model.others = ModelsBeside(run, ReadStageRecords(run.root()).value("train", nlohmann::json()), device);
+    }
     RequireOutsideScene(out, posed.scene, options_.input.images);
     const auto cameras = PathCameras(posed, options_.image.Settled(), path_);
     const auto videos = RenderCameras(model, cameras, out, path_, listener);

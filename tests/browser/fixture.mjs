@@ -84,7 +84,7 @@ function tables() {
     stages: [{name: 'sfm', seconds: 3.1}, {name: 'depth', seconds: 21.4}, {name: 'train', seconds: 301.2}, {name: 'evaluate', seconds: 2.2}],
     curves: [{name: 'loss', unit: '', x_name: 'iteration', x, y: x.map((v) => 0.3 * Math.exp(-v / 900) + 0.02)},
              {name: 'Gaussians', unit: '', x_name: 'iteration', x, y: x.map((v) => 1500 + v / 2)}],
-    uncertainty: {auroc_large_error: 0.88, ause_ratio: 0.31},
+    uncertainty: {models: {auroc_large_error: 0.88, ause_ratio: 0.31}},
     support: {classes: classes.map((name, i) => ({name, share: [0.8, 0.1, 0.07, 0.03][i], gaussians: [0.7, 0.15, 0.1, 0.05][i], mean_error: 0.03 * (i + 1)}))},
     calibration: {title: 'Trust and truth', x_name: 'trust', y_name: 'share of right pixels', bins},
     registration: {registered: 5, photos: 6, reprojection_error: 0.52, parallax_degrees: 20.4, warnings: [],

@@ -40,7 +40,7 @@ TEST(MeasureTrust, MeasuresWhatIsDrawn) {
   EXPECT_LT(q.pixels, 32 * 32);  // not where nothing is drawn
   EXPECT_GT(q.classes[0].share, 0.02);
   EXPECT_GT(q.classes[0].mean_error, q.classes[3].mean_error);  // the truth is black, the middle of the ball is gray
-  EXPECT_FALSE(MeasureTrust(g, {{0.9f}}, {view}, {}).uncertainty);
+  EXPECT_FALSE(MeasureTrust(g, {{0.9f}}, {view}, {}).of_gaussians);
   EXPECT_FALSE(MeasureTrust(g, {}, {view}, {}).support);
   EXPECT_THROW(MeasureTrust(g, {{0.9f, 0.9f}}, {view}, {}), ShapeError);
   view.mask.assign(32 * 32, 0);
@@ -65,14 +65,20 @@ TEST(MeasureTrust, ComparesUncertaintyWithErrors) {
   for (size_t p = 0; p < 32 * 32; ++p) {
     for (size_t c = 3 * p; c < 3 * p + 3 && p % 32 < 16; ++c) view.rgb.data[c] = render[static_cast<int64_t>(c)];
   }
-  const OracleQuality right = *MeasureTrust(g, {{}, {0.01f, 0.3f}}, {view}, {}).uncertainty;
-  const OracleQuality wrong = *MeasureTrust(g, {{}, {0.3f, 0.01f}}, {view}, {}).uncertainty;
+  const OracleQuality right = *MeasureTrust(g, {{}, {0.01f, 0.3f}}, {view}, {}).of_gaussians;
+  const OracleQuality wrong = *MeasureTrust(g, {{}, {0.3f, 0.01f}}, {view}, {}).of_gaussians;
   EXPECT_GT(right.auroc_large_error, 0.8);
   EXPECT_LT(wrong.auroc_large_error, 0.2);
   EXPECT_LT(right.ause_ratio, 0.5);
+  // Models that differ in the right ball know it, too.
+  Gaussians other = g;
+  other.sh = g.sh.Clone();
+  for (int64_t c = 0; c < 3; ++c) other.sh[kShFloats + c] = 0.5f;
+  Uncertainty models(g, {other}, {});
+  EXPECT_GT(MeasureTrust(g, {}, {view}, {}, {{}, &models}).of_models->auroc_large_error, 0.9);
   // Seen through a map that makes the render black, only the left one is wrong.
   const auto black = [](size_t, const Buffer<float>& image) { std::fill_n(image.data(), image.count(), 0.f); };
-  EXPECT_GT(MeasureTrust(g, {{}, {0.3f, 0.01f}}, {view}, {}, black).uncertainty->auroc_large_error, 0.7);
+  EXPECT_GT(MeasureTrust(g, {{}, {0.3f, 0.01f}}, {view}, {}, {black}).of_gaussians->auroc_large_error, 0.7);
 }
 
 }  // namespace

@@ -32,7 +32,13 @@ Buffer<float> ColorsOf(const GaussianMarks& marks, int64_t n) {
 
 /// The pixels that count, of all views.
 struct TrustPixels {
-  std::vector<float> error, support, confidence;
+  std::vector<float> error, support, of_gaussians, of_models;
+
+  std::optional<OracleQuality> QualityOf(std::vector<float> uncertainty) const {
+    if (error.empty() || uncertainty.empty()) return std::nullopt;
+    for (float& value : uncertainty) value = Similarity(value);
+    return OracleQuality::FromPixels(error, uncertainty);
+  }
 };
 
 }  // namespace
@@ -67,8 +73,7 @@ nlohmann::json ToJson(const SupportQuality& quality) {
 }
 
 TrustQuality MeasureTrust(const Gaussians& gaussians, const GaussianMarks& marks, const std::vector<LoadedView>& views,
-                          const RenderOptions& options,
-                          const std::function<void(size_t view, const Buffer<float>& render)>& expose) {
+                          const RenderOptions& options, const TrustExtras& extras) {
   const Gaussians tinted = Recolored(gaussians, ColorsOf(marks, gaussians.size()));
   RenderOptions on_black = options;
   on_black.background = {0, 0, 0};
@@ -86,21 +91,23 @@ TrustQuality MeasureTrust(const Gaussians& gaussians, const GaussianMarks& marks
     const RenderOutput out = rasterizer->Forward(gaussians, view.camera, options, RenderPass::kInference);
     const Buffer<float> image = out.image.To(kCpu).Clone(), alpha = out.alpha.To(kCpu), truth = ToBuffer(view.rgb);
     for (float& value : image.span()) value = std::clamp(value, 0.f, 1.f);
-    if (expose) expose(v, image);
+    if (extras.expose) extras.expose(v, image);
+    const std::vector<float> of_models =
+        extras.models != nullptr ? extras.models->At(view.camera) : std::vector<float>();
     for (int64_t p = 0; p < alpha.count(); p += step) {
       if (alpha[p] < kDrawn || (!view.mask.empty() && view.mask[static_cast<size_t>(p)] == 0)) continue;
       float error = 0;
       for (int64_t c = 3 * p; c < 3 * p + 3; ++c) error += std::abs(std::clamp(image[c], 0.f, 1.f) - truth[c]) / 3;
       all.error.push_back(error);
       all.support.push_back(std::clamp(said[3 * p], 0.f, 1.f));
-      all.confidence.push_back(Similarity(std::clamp(said[3 * p + 1] / alpha[p], 0.f, 1.f)));
+      all.of_gaussians.push_back(std::clamp(said[3 * p + 1] / alpha[p], 0.f, 1.f));
+      if (!of_models.empty()) all.of_models.push_back(of_models[static_cast<size_t>(p)]);
     }
   }
   TrustQuality quality;
   if (!marks.support.empty()) quality.support = SupportQuality::FromPixels(all.error, all.support);
-  if (!marks.uncertainty.empty() && !all.error.empty()) {
-    quality.uncertainty = OracleQuality::FromPixels(all.error, all.confidence);
-  }
+  if (!marks.uncertainty.empty()) quality.of_gaussians = all.QualityOf(std::move(all.of_gaussians));
+  quality.of_models = all.QualityOf(std::move(all.of_models));
   return quality;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "oraclegs/evaluate/oracle_quality.h"
+#include "oraclegs/evaluate/uncertainty.h"
 #include "oraclegs/gaussians/gaussians.h"
 #include "oraclegs/gaussians/selection.h"
 #include "oraclegs/render/recolor.h"
@@ -33,19 +34,24 @@ struct SupportQuality {
 /// becomes null.
 nlohmann::json ToJson(const SupportQuality& quality);
 
+/// Qualities of what is known of a model; nothing for what is not known. Of an uncertainty as a prediction of errors
+/// the confidence is the Similarity (image/similarity.h) of an error as large as expected.
 struct TrustQuality {
   std::optional<SupportQuality> support;
-  /// Quality of the uncertainty as a prediction of errors; the confidence is the Similarity (image/similarity.h) of an
-  /// error as large as expected.
-  std::optional<OracleQuality> uncertainty;
+  std::optional<OracleQuality> of_gaussians;  ///< of the mark
+  std::optional<OracleQuality> of_models;     ///< of the models' differences at each pixel
 };
 
-/// Quality at the views: each view's render against its image, with the marks of the Gaussians blended like a color.
-/// A hole has no support; uncertainty is divided by alpha. Very many pixels are subsampled evenly. Pixels of alpha
-/// below 0.1, where nothing is drawn, and masked ones are left out. `expose`: as in EvaluateExtras. The device is that
-/// of the Gaussians.
+/// Optional parts of MeasureTrust.
+struct TrustExtras {
+  std::function<void(size_t view, const Buffer<float>& render)> expose = {};  ///< as EvaluateExtras has it
+  Uncertainty* models = nullptr;                                              ///< of the same model
+};
+
+/// Quality at the views: each view's render against its image, with the marks of the Gaussians blended like a color. A
+/// hole has no support; uncertainty is divided by alpha. Very many pixels are subsampled evenly. Pixels of alpha below
+/// 0.1, where nothing is drawn, and masked ones are left out. The device is that of the Gaussians.
 TrustQuality MeasureTrust(const Gaussians& gaussians, const GaussianMarks& marks, const std::vector<LoadedView>& views,
-                          const RenderOptions& options,
-                          const std::function<void(size_t view, const Buffer<float>& render)>& expose = {});
+                          const RenderOptions& options, const TrustExtras& extras = {});
 
 }  // namespace oraclegs

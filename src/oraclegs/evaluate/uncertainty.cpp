@@ -63,22 +63,21 @@ std::vector<float> Smoothed(const std::vector<float>& values, int width, int hei
 }
 
 /// Opacity factors that leave some of the Gaussians out, and make the others as much heavier.
-Buffer<float> StandInFactors(int64_t n, uint64_t seed, int number) {
+Buffer<float> StandInFactors(int64_t n, int number) {
   Buffer<float> factors = Buffer<float>::Empty({n});
-  Rng random(seed, RandomStream::kStandIns, static_cast<uint64_t>(number) << 32);
+  Rng random(0, RandomStream::kStandIns, static_cast<uint64_t>(number) << 32);
   for (int64_t i = 0; i < n; ++i) factors[i] = random.Uniform() < kLeftOut ? 0 : static_cast<float>(1 / (1 - kLeftOut));
   return factors;
 }
 
 }  // namespace
 
-Uncertainty::Uncertainty(const Gaussians& model, std::vector<Gaussians> others, const RenderOptions& options,
-                         uint64_t seed)
+Uncertainty::Uncertainty(const Gaussians& model, std::vector<Gaussians> others, const RenderOptions& options)
     : model_(model), others_(std::move(others)), options_(options), rasterizer_(MakeRasterizer(model.device())) {
   members_.push_back({&model_, {}});
   for (const Gaussians& other : others_) members_.push_back({&other, {}});
   for (int k = 0; k < kStandIns && others_.empty(); ++k) {
-    members_.push_back({&model_, StandInFactors(model.size(), seed, k).To(model.device())});
+    members_.push_back({&model_, StandInFactors(model.size(), k).To(model.device())});
   }
 }
 

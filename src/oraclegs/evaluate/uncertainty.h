@@ -1,7 +1,6 @@
 #pragma once
 // How sure a model is of what it shows (docs/method.md#uncertainty).
 
-#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -19,10 +18,10 @@ inline constexpr float kLargestShownError = 0.3f;
 /// learned from the same photos in other ways. Where photos leave something open, each fills it in differently.
 class Uncertainty {
  public:
-  /// `others`: models in the same coordinates and on the same device; where there are none, the model itself without a
-  /// random part of its Gaussians, drawn by `seed`, stands in for two of them. `model` must outlive this. The degree
-  /// and the antialiasing of `options` hold for all.
-  Uncertainty(const Gaussians& model, std::vector<Gaussians> others, const RenderOptions& options, uint64_t seed);
+  /// Uses `others`, models in the same coordinates and on the same device; where there are none, the model itself
+  /// without a part of its Gaussians, the same in each run, stands in for two of them. `model` must outlive this. The
+  /// background and the antialiasing of `options` hold for all.
+  Uncertainty(const Gaussians& model, std::vector<Gaussians> others, const RenderOptions& options);
 
   /// The expected |render - truth| of each pixel, mean over the channels, row by row.
   std::vector<float> At(const Camera& camera);

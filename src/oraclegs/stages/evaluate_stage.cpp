@@ -6,6 +6,7 @@
 #include "oraclegs/core/statistics.h"
 #include "oraclegs/evaluate/evaluate.h"
 #include "oraclegs/evaluate/trust_quality.h"
+#include "oraclegs/evaluate/uncertainty.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/gaussians/transform.h"
 #include "oraclegs/scene/frame.h"
@@ -51,7 +52,18 @@ std::function<void(size_t, const Buffer<float>&)> ExposureOfPlaces(const Run& ru
 /// Adds what is known of whether the model is right about where it can be trusted.
 void AddTrust(const TrustQuality& quality, nlohmann::json* record) {
   if (quality.support) (*record)["support"] = ToJson(*quality.support);
-  if (quality.uncertainty) (*record)["uncertainty"] = ToJson(*quality.uncertainty);
+  if (quality.of_gaussians) (*record)["uncertainty"]["gaussians"] = ToJson(*quality.of_gaussians);
+  if (quality.of_models) (*record)["uncertainty"]["models"] = ToJson(*quality.of_models);
+}
+
+TrustQuality TrustOf(const Run& run, const Model& model, const std::vector<LoadedView>& views,
+                     const EvaluateExtras& extras) {
+  std::optional<Uncertainty> uncertainty;
+  if (auto others = ModelsBeside(run.workspace, run.workspace.Record("train"), run.plan.device)) {
+    uncertainty.emplace(model.gaussians, std::move(*others), model.render);
+  }
+  return MeasureTrust(model.gaussians, model.marks, views, model.render,
+                      {extras.expose, uncertainty ? &*uncertainty : nullptr});
 }
 
 void UndoEvaluate(Run* run, const nlohmann::json&) {
@@ -84,7 +96,7 @@ std::optional<nlohmann::json> MakeEvaluate(Run* run, const std::string&) {
                            {"peak_memory_bytes", PeakMemoryBytes()},
                            {"files", {"metrics.json"}}};
   if (!held_out) record["train_views"] = std::move(scores);
-  if (held_out) AddTrust(MeasureTrust(model.gaussians, model.marks, views, model.render, extras.expose), &record);
+  if (held_out) AddTrust(TrustOf(*run, model, views, extras), &record);
   record["seconds"] = watch.Seconds();
   WriteFileAtomically(workspace.metrics(), MetricsToJson(*run, record).dump(2) + "\n");
   return record;
@@ -141,6 +153,20 @@ Model LoadModel(const fs::path& ply, const RunOptions& options, Device device, c
           PartsInComments(file.comments),
           std::move(file.marks),
           unit};
+}
+
+std::optional<std::vector<Gaussians>> ModelsBeside(const WorkspacePaths& paths, const nlohmann::json& train_record,
+                                                   Device device) {
+  if (!train_record.is_object() || !train_record.contains("others")) return std::nullopt;
+  std::vector<Gaussians> models;
+  try {
+    for (const nlohmann::json& file : train_record.at("others")) {
+      models.push_back(ReadIntactGaussianPly(paths.root() / file.get<std::string>()).gaussians.To(device));
+    }
+  } catch (const InputError&) {  // what the models were needed for does without
+    return std::nullopt;
+  }
+  return models;
 }
 
 nlohmann::json ScoreModel(const Model& model, const std::vector<LoadedView>& views, const fs::path& renders,

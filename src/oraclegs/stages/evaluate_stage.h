@@ -20,6 +20,9 @@ struct Model {
   std::vector<std::string> non_commercial = {};  ///< networks that its file says it was made with
   GaussianMarks marks = {};                      ///< what the file says of each
   std::optional<double> unit_meters = {};        ///< length of a unit of the file, or of the scene; nothing = not known
+  /// For its Uncertainty, in the same coordinates and on the same device; nothing = a file alone, of which only its
+  /// marks are known.
+  std::optional<std::vector<Gaussians>> others = {};
 };
 
 /// Reads a PLY of any trainer into the run's coordinates, to be rendered on the background, antialiased where `options`
@@ -28,6 +31,11 @@ struct Model {
 /// Everything that the reader left out or assumed is a Warning.
 Model LoadModel(const std::filesystem::path& ply, const RunOptions& options, Device device,
                 const SceneFrame& frame = {}, const Listener& listener = Silent());
+
+/// Reads the models that a run's result was compared with, as record "train" names them, in the run's coordinates.
+/// Nothing where it does not, or a file is missing or damaged.
+std::optional<std::vector<Gaussians>> ModelsBeside(const WorkspacePaths& paths, const nlohmann::json& train_record,
+                                                   Device device);
 
 /// Scores a model on the views {"psnr", ...} (evaluate.h); warns when there are none. `renders`: receives the images,
 /// empty = nothing is written. `lpips`: files of its weights, none = no such score.

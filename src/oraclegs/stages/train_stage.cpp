@@ -232,16 +232,14 @@ ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) 
   return ready;
 }
 
-/// The proxy models that the run has, as they were when they had seen all views.
-std::vector<Gaussians> ProxiesOf(const Run& run) {
-  std::vector<Gaussians> models;
-  if (!ProxiesAlonePropose(run)) return models;
+/// Files of the proxy models that the run has, as they were when they had seen all views.
+std::vector<std::string> ProxyFiles(const Run& run) {
+  std::vector<std::string> files;
+  if (!ProxiesAlonePropose(run)) return files;
   for (const nlohmann::json& file : run.workspace.Record("proxies").at("files")) {
-    const std::string name = file.get<std::string>();
-    if (name.find("_before") != std::string::npos) continue;
-    models.push_back(ReadGaussianPly(run.workspace.root() / name).gaussians.To(run.plan.device));
+    if (file.get<std::string>().find("_before") == std::string::npos) files.push_back(file.get<std::string>());
   }
-  return models;
+  return files;
 }
 
 /// Cameras of the images, and of at most kUncertainProposals proposals, evenly.
@@ -260,7 +258,8 @@ GaussianMarks MarksOfModel(const Run& run, const ReadyTrainer& ready) {
   render.background = BackgroundColor(run.options.image.background);
   render.antialiased = run.options.train.antialiased;
   try {
-    Uncertainty uncertainty(trainer.gaussians(), ProxiesOf(run), render, run.options.start.seed);
+    auto others = ModelsBeside(run.workspace, {{"others", ProxyFiles(run)}}, run.plan.device);
+    Uncertainty uncertainty(trainer.gaussians(), others ? std::move(*others) : std::vector<Gaussians>(), render);
     return {Support(trainer.gaussians(), ready.views, render), uncertainty.OfGaussians(JudgedCameras(ready.views))};
   } catch (const Interrupted&) {
     WriteCheckpoint(CheckpointPath(run.workspace.checkpoints(), trainer.iteration()), trainer.MakeCheckpoint());
@@ -306,6 +305,7 @@ std::optional<nlohmann::json> MakeTrain(Run* run, const std::string&) {
                         {"milliseconds_per_iteration", TimingsToJson(result)},
                         {"gaussians", written},
                         {"chosen", ready.chosen},
+                        {"others", ProxyFiles(*run)},
                         {"lpips", ready.lpips.empty() ? nlohmann::json() : nlohmann::json(ready.lpips)},
                         {"peak_memory_bytes", PeakMemoryBytes()},
                         {"files", {"point_cloud.ply"}}};

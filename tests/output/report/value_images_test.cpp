@@ -84,7 +84,13 @@ TEST(ValueRenderer, ShowsUncertaintyInTheColorsOfErrors) {
     const auto expected = MapColor(ColorMap::kPlasma, error);
     for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(PixelAt(image, x, 16)[c], expected[c], 6) << x;
   }
-  EXPECT_EQ(PixelAt(empty, 16, 16), (std::array<int, 3>{0, 0, 0})) << "nothing is drawn";
+  const auto none = MapColor(ColorMap::kPlasma, 0);
+  for (size_t c = 0; c < 3; ++c) EXPECT_EQ(PixelAt(empty, 16, 16)[c], none[c]) << "nothing is drawn";
+  // Where other models are known, they are asked, and not the marks.
+  Model among_others = Wall();
+  among_others.others = {among_others.gaussians};
+  const Image8 agreed = ValueRenderer(among_others, {RenderValue::kUncertainty}, {}).Render(WallCamera())[0];
+  for (size_t c = 0; c < 3; ++c) EXPECT_EQ(PixelAt(agreed, 26, 16)[c], none[c]);
 }
 
 TEST(ValueRenderer, RefusesMarksThatAreNotKnown) {

@@ -27,7 +27,7 @@ export function support(run) {
 }
 
 export function certainty(run) {
-  const measured = run.uncertainty;
+  const measured = run.uncertainty?.models ?? run.uncertainty?.gaussians;
   if (!Number.isFinite(measured?.auroc_large_error)) return null;
   const kept = 100 * (1 - measured.ause_ratio);
   return h('p', {class: 'lead'}, 'Models that learned from the same photos differ where the photos leave something open. How far they differ is the error to expect. ',

@@ -87,7 +87,7 @@ struct ReportViews::Renderer {
       tinted = Recolored(of.gaussians, SupportColors(of.marks.support));
       seen = Recolored(of.gaussians, SeenByTwo(of.marks.support));
     }
-    if (!of.marks.uncertainty.empty())
+    if (of.others || !of.marks.uncertainty.empty())
       uncertain.emplace(of, std::vector{RenderValue::kUncertainty}, std::vector<Camera>());
     flat = of.render;
     flat.sh_degree = 0;

@@ -78,16 +78,24 @@ Buffer<float> Gray(const std::vector<float>& values) {
   return colors;
 }
 
-/// The mean of what a pixel blends, in the colors of errors; `render` is of Gaussians in gray, on black.
-Image8 ErrorColors(const RenderOutput& render, const Camera& camera) {
-  const Buffer<float> blended = render.image.To(kCpu), alpha = render.alpha.To(kCpu);
+/// Expected errors in the colors of errors.
+Image8 ErrorColors(const std::vector<float>& errors, const Camera& camera) {
   Image8 image = BlankRgb(camera);
-  for (int64_t p = 0; p < alpha.count(); ++p) {
-    if (alpha[p] < kDrawn) continue;
-    const auto rgb = MapColor(ColorMap::kPlasma, blended[3 * p] / alpha[p] / kLargestShownError);
-    std::copy(rgb.begin(), rgb.end(), image.data.begin() + 3 * p);
+  for (size_t p = 0; p < errors.size(); ++p) {
+    const auto rgb = MapColor(ColorMap::kPlasma, errors[p] / kLargestShownError);
+    std::copy(rgb.begin(), rgb.end(), image.data.begin() + static_cast<std::ptrdiff_t>(3 * p));
   }
   return image;
+}
+
+/// The mean of what each pixel blends, 0 where nothing is drawn; `render` is of Gaussians in gray, on black.
+std::vector<float> BlendedMeans(const RenderOutput& render) {
+  const Buffer<float> blended = render.image.To(kCpu), alpha = render.alpha.To(kCpu);
+  std::vector<float> means(static_cast<size_t>(alpha.count()));
+  for (int64_t p = 0; p < alpha.count(); ++p) {
+    if (alpha[p] >= kDrawn) means[static_cast<size_t>(p)] = blended[3 * p] / alpha[p];
+  }
+  return means;
 }
 
 }  // namespace
@@ -116,6 +124,7 @@ struct ValueRenderer::Impl {
   std::unique_ptr<Rasterizer> rasterizer;
   std::pair<float, float> span = {};  // range of inverse depth, for its colors
   Gaussians in_support_colors = {}, in_uncertainty = {};
+  std::optional<Uncertainty> uncertainty = {};  // of the model among others
 };
 
 ValueRenderer::ValueRenderer(const Model& model, std::vector<RenderValue> values, const std::vector<Camera>& cameras)
@@ -125,7 +134,9 @@ ValueRenderer::ValueRenderer(const Model& model, std::vector<RenderValue> values
     RequireMarks(model.marks.support, "support");
     impl_->in_support_colors = Recolored(model.gaussians, SupportColors(model.marks.support));
   }
-  if (impl_->Wants(RenderValue::kUncertainty)) {
+  if (impl_->Wants(RenderValue::kUncertainty) && model.others) {
+    impl_->uncertainty.emplace(model.gaussians, *model.others, model.render);
+  } else if (impl_->Wants(RenderValue::kUncertainty)) {
     RequireMarks(model.marks.uncertainty, "uncertainty");
     impl_->in_uncertainty = Recolored(model.gaussians, Gray(model.marks.uncertainty));
   }
@@ -161,8 +172,10 @@ std::vector<Image8> ValueRenderer::Render(const Camera& camera) {
   });
   options.background = {0, 0, 0};
   put(RenderValue::kUncertainty, [&] {
-    return ErrorColors(impl_->rasterizer->Forward(impl_->in_uncertainty, camera, options, RenderPass::kInference),
-                       camera);
+    if (impl_->uncertainty) return ErrorColors(impl_->uncertainty->At(camera), camera);
+    return ErrorColors(
+        BlendedMeans(impl_->rasterizer->Forward(impl_->in_uncertainty, camera, options, RenderPass::kInference)),
+        camera);
   });
   return images;
 }

@@ -17,7 +17,7 @@ enum class RenderValue {
   kDepth,        ///< viridis of inverse depth, near is yellow; black where there is no surface
   kNormals,      ///< 255 (n + 1) / 2 of the surface's normal in the camera frame; black where it is unknown
   kSupport,      ///< colors of render/recolor.h, composited
-  kUncertainty,  ///< plasma of the error to expect, yellow from kLargestShownError on; black where nothing is drawn
+  kUncertainty,  ///< plasma of the error to expect, yellow from kLargestShownError on
 };
 template <>
 struct EnumWords<RenderValue> {
