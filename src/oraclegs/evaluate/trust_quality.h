@@ -34,18 +34,18 @@ struct SupportQuality {
 /// becomes null.
 nlohmann::json ToJson(const SupportQuality& quality);
 
-/// Qualities of what is known of a model; nothing for what is not known. Of an uncertainty as a prediction of errors
-/// the confidence is the Similarity (image/similarity.h) of an error as large as expected.
+/// Qualities of what is known of a model; nothing for what is not known. The confidence that belongs to an uncertainty
+/// is the Similarity (image/similarity.h) of an error as large as expected.
 struct TrustQuality {
   std::optional<SupportQuality> support;
-  std::optional<OracleQuality> of_gaussians;  ///< of the mark
-  std::optional<OracleQuality> of_models;     ///< of the models' differences at each pixel
+  std::optional<OracleQuality> of_gaussians;  ///< quality of the mark
+  std::optional<OracleQuality> of_models;     ///< quality of the models' differences at each pixel
 };
 
 /// Optional parts of MeasureTrust.
 struct TrustExtras {
   std::function<void(size_t view, const Buffer<float>& render)> expose = {};  ///< as EvaluateExtras has it
-  Uncertainty* models = nullptr;                                              ///< of the same model
+  Uncertainty* models = nullptr;                                              ///< compares the same model
 };
 
 /// Quality at the views: each view's render against its image, with the marks of the Gaussians blended like a color. A
