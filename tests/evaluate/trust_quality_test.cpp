@@ -35,11 +35,12 @@ TEST(MeasureTrust, MeasuresWhatIsDrawn) {
   view.camera.fx = view.camera.fy = 40;
   view.camera.cx = view.camera.cy = 16;
   view.rgb = {32, 32, 3, std::vector<float>(32 * 32 * 3, 0.f)};
+  for (size_t i = 0; i < view.rgb.data.size(); ++i) view.rgb.data[i] = (i / 3 / 32 + i / 3) % 2 == 0 ? 1.f : 0.f;
   const SupportQuality q = *MeasureTrust(g, {{0.9f}}, {view}, {}).support;
   EXPECT_GT(q.pixels, 50);
   EXPECT_LT(q.pixels, 32 * 32);  // not where nothing is drawn
   EXPECT_GT(q.classes[0].share, 0.02);
-  EXPECT_GT(q.classes[0].mean_error, q.classes[3].mean_error);  // the truth is black, the middle of the ball is gray
+  EXPECT_GT(q.classes[0].mean_error, 0.2);  // no map of colors makes the ball a chessboard
   EXPECT_FALSE(MeasureTrust(g, {{0.9f}}, {view}, {}).of_gaussians);
   EXPECT_FALSE(MeasureTrust(g, {}, {view}, {}).support);
   EXPECT_THROW(MeasureTrust(g, {{0.9f, 0.9f}}, {view}, {}), ShapeError);
@@ -48,37 +49,41 @@ TEST(MeasureTrust, MeasuresWhatIsDrawn) {
 }
 
 TEST(MeasureTrust, ComparesUncertaintyWithErrors) {
-  // Two gray balls before a truth in which the right one is black: the model errs there, least at its faint rim.
-  Gaussians g = Gaussians::Zeros(2);
-  for (int64_t i = 0; i < 2; ++i) {
-    g.means[3 * i] = i == 0 ? -0.6f : 0.6f, g.means[3 * i + 2] = 3;
+  // Gray balls before a truth in which the last one is black: the model errs there.
+  constexpr int kBalls = 15;
+  Gaussians g = Gaussians::Zeros(kBalls);
+  for (int64_t i = 0; i < kBalls; ++i) {
+    g.means[3 * i] = 0.3f * static_cast<float>(i % 5 - 2), g.means[3 * i + 1] = 0.4f * static_cast<float>(i / 5 - 1);
+    g.means[3 * i + 2] = 3;
     g.quats[4 * i] = 1;
-    std::fill_n(g.log_scales.data() + 3 * i, 3, std::log(0.15f));
+    std::fill_n(g.log_scales.data() + 3 * i, 3, std::log(0.08f));
     g.opacity_logits[i] = 6;
   }
   LoadedView view;
   view.camera.width = view.camera.height = 32;
   view.camera.fx = view.camera.fy = 40;
   view.camera.cx = view.camera.cy = 16;
-  view.rgb = {32, 32, 3, std::vector<float>(32 * 32 * 3, 0.f)};
   const Buffer<float> render = MakeRasterizer(kCpu)->Forward(g, view.camera, {}, RenderPass::kInference).image.Clone();
+  view.rgb = {32, 32, 3, std::vector<float>(render.span().begin(), render.span().end())};
   for (size_t p = 0; p < 32 * 32; ++p) {
-    for (size_t c = 3 * p; c < 3 * p + 3 && p % 32 < 16; ++c) view.rgb.data[c] = render[static_cast<int64_t>(c)];
+    if (p % 32 >= 22 && p / 32 >= 19) std::fill_n(view.rgb.data.begin() + static_cast<std::ptrdiff_t>(3 * p), 3, 0.f);
   }
-  const OracleQuality right = *MeasureTrust(g, {{}, {0.01f, 0.3f}}, {view}, {}).of_gaussians;
-  const OracleQuality wrong = *MeasureTrust(g, {{}, {0.3f, 0.01f}}, {view}, {}).of_gaussians;
-  EXPECT_GT(right.auroc_large_error, 0.8);
-  EXPECT_LT(wrong.auroc_large_error, 0.2);
-  EXPECT_LT(right.ause_ratio, 0.5);
-  // Models that differ in the right ball know it, too.
+  std::vector<float> knows(kBalls, 0.01f), errs(kBalls, 0.3f);
+  knows.back() = 0.3f, errs.back() = 0.01f;
+  const OracleQuality right = *MeasureTrust(g, {{}, knows}, {view}, {}).of_gaussians;
+  const OracleQuality wrong = *MeasureTrust(g, {{}, errs}, {view}, {}).of_gaussians;
+  EXPECT_GT(right.auroc_large_error, 0.9);
+  EXPECT_LT(wrong.auroc_large_error, 0.1);
+  EXPECT_LT(right.ause_ratio, 0.7);
+  // Models that differ in that ball know it, too.
   Gaussians other = g;
   other.sh = g.sh.Clone();
-  for (int64_t c = 0; c < 3; ++c) other.sh[kShFloats + c] = 0.5f;
+  for (int64_t c = 0; c < 3; ++c) other.sh[kShFloats * (kBalls - 1) + c] = 0.5f;
   Uncertainty models(g, {other}, {});
-  EXPECT_GT(MeasureTrust(g, {}, {view}, {}, {{}, &models}).of_models->auroc_large_error, 0.9);
-  // Seen through a map that makes the render black, only the left one is wrong.
-  const auto black = [](size_t, const Buffer<float>& image) { std::fill_n(image.data(), image.count(), 0.f); };
-  EXPECT_GT(MeasureTrust(g, {{}, {0.3f, 0.01f}}, {view}, {}, {black}).of_gaussians->auroc_large_error, 0.7);
+  EXPECT_GT(MeasureTrust(g, {}, {view}, {}, &models).of_models->auroc_large_error, 0.9);
+  // Another exposure is no error: a map of colors explains it.
+  for (size_t i = 0; i < view.rgb.data.size(); ++i) view.rgb.data[i] = 0.5f * render[static_cast<int64_t>(i)];
+  EXPECT_TRUE(std::isnan(MeasureTrust(g, {{}, errs}, {view}, {}).of_gaussians->auroc_large_error));
 }
 
 }  // namespace

@@ -18,19 +18,6 @@ namespace {
 
 constexpr char kMeanExposureScore[] = "psnr_mean_exposure";
 
-/// The view's mask [H,W] of 0 and 1, undefined when it has none.
-Buffer<float> MaskOf(const LoadedView& view) {
-  if (view.mask.empty()) return {};
-  const int64_t height = view.rgb.height, width = view.rgb.width;
-  if (static_cast<int64_t>(view.mask.size()) != height * width) {
-    throw ShapeError("Evaluate: the mask of {} has {} pixels, expected {}", view.name, view.mask.size(),
-                     height * width);
-  }
-  Buffer<float> mask = Buffer<float>::Empty({height, width});
-  std::copy(view.mask.begin(), view.mask.end(), mask.data());
-  return mask;
-}
-
 ViewMetrics Score(const LoadedView& view, const Buffer<float>& render, const Buffer<float>& truth,
                   const ImageScores& scores) {
   const Buffer<float> mask = MaskOf(view);
@@ -78,6 +65,18 @@ void SetMeans(TestMetrics* metrics) {
 }
 
 }  // namespace
+
+Buffer<float> MaskOf(const LoadedView& view) {
+  if (view.mask.empty()) return {};
+  const int64_t height = view.rgb.height, width = view.rgb.width;
+  if (static_cast<int64_t>(view.mask.size()) != height * width) {
+    throw ShapeError("Evaluate: the mask of {} has {} pixels, expected {}", view.name, view.mask.size(),
+                     height * width);
+  }
+  Buffer<float> mask = Buffer<float>::Empty({height, width});
+  std::copy(view.mask.begin(), view.mask.end(), mask.data());
+  return mask;
+}
 
 TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<LoadedView>& views, const RenderOptions& options,
                      const EvaluateExtras& extras, const Listener& listener) {

@@ -64,6 +64,9 @@ double MeanPsnr(const Gaussians& gaussians, const std::vector<LoadedView>& views
 /// score stands under its name beside these and in "conventions". The means are null when no view is scored.
 nlohmann::json ToJson(const TestMetrics& metrics);
 
+/// The view's mask [H,W] of 0 and 1, undefined when it has none. Throws ShapeError when it does not fit the camera.
+Buffer<float> MaskOf(const LoadedView& view);
+
 /// Converts a render [H,W,3] for writing: clamped to [0, 1], 8 bit.
 Image8 ToImage8(const Buffer<float>& image);
 /// Copies the image to a buffer [H,W,3]. Throws ShapeError unless it has 3 channels.

@@ -96,8 +96,8 @@ double Ssim(const Buffer<float>& a, const Buffer<float>& b, const Buffer<float>&
   return MaskedMean(Pixels(a), mask, [&](int64_t i) { return static_cast<double>(values[i]); });
 }
 
-double ColorCorrectedPsnr(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& mask) {
-  CheckImages("ColorCorrectedPsnr", render, target, mask);
+Buffer<float> ColorCorrected(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& mask) {
+  CheckImages("ColorCorrected", render, target, mask);
   const int64_t pixels = Pixels(render);
   const float *from = render.data(), *to = target.data();
   // Normal equations of w (from, 1) M = w to: the left four columns, and the right side in the other three.
@@ -118,7 +118,11 @@ double ColorCorrectedPsnr(const Buffer<float>& render, const Buffer<float>& targ
       Eigen::Map<Eigen::Vector3f>(out + 3 * i) = color.cwiseMax(0).cwiseMin(1).cast<float>();
     }
   });
-  return Psnr(corrected, target, mask);
+  return corrected;
+}
+
+double ColorCorrectedPsnr(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& mask) {
+  return Psnr(ColorCorrected(render, target, mask), target, mask);
 }
 
 }  // namespace oraclegs

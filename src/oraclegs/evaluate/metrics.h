@@ -21,7 +21,10 @@ double Psnr(const Buffer<float>& a, const Buffer<float>& b, const Buffer<float>&
 /// second image on both sides.
 double Ssim(const Buffer<float>& a, const Buffer<float>& b, const Buffer<float>& mask = {});
 
-/// PSNR after the best affine 3x4 color map from `render` to `target` (least squares over the pixels with mask 1).
+/// The render, [0, 1], through the best affine 3x4 color map to `target` (least squares over the pixels with mask 1).
+Buffer<float> ColorCorrected(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& mask = {});
+
+/// PSNR of the ColorCorrected render.
 double ColorCorrectedPsnr(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& mask = {});
 
 }  // namespace oraclegs

@@ -8,6 +8,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/evaluate/evaluate.h"
+#include "oraclegs/evaluate/metrics.h"
 #include "oraclegs/image/similarity.h"
 #include "oraclegs/render/render.h"
 
@@ -73,7 +74,7 @@ nlohmann::json ToJson(const SupportQuality& quality) {
 }
 
 TrustQuality MeasureTrust(const Gaussians& gaussians, const GaussianMarks& marks, const std::vector<LoadedView>& views,
-                          const RenderOptions& options, const TrustExtras& extras) {
+                          const RenderOptions& options, Uncertainty* models) {
   const Gaussians tinted = Recolored(gaussians, ColorsOf(marks, gaussians.size()));
   RenderOptions on_black = options;
   on_black.background = {0, 0, 0};
@@ -83,21 +84,18 @@ TrustQuality MeasureTrust(const Gaussians& gaussians, const GaussianMarks& marks
   for (const LoadedView& view : views) pixels += int64_t{view.camera.width} * view.camera.height;
   const int64_t step = (pixels + kMaxPixels - 1) / kMaxPixels;
   TrustPixels all;
-  for (size_t v = 0; v < views.size(); ++v) {
+  for (const LoadedView& view : views) {
     ThrowIfInterrupted();
-    const LoadedView& view = views[v];
     const Buffer<float> said =
         rasterizer->Forward(tinted, view.camera, on_black, RenderPass::kInference).image.To(kCpu).Clone();
     const RenderOutput out = rasterizer->Forward(gaussians, view.camera, options, RenderPass::kInference);
-    const Buffer<float> image = out.image.To(kCpu).Clone(), alpha = out.alpha.To(kCpu), truth = ToBuffer(view.rgb);
-    for (float& value : image.span()) value = std::clamp(value, 0.f, 1.f);
-    if (extras.expose) extras.expose(v, image);
-    const std::vector<float> of_models =
-        extras.models != nullptr ? extras.models->At(view.camera) : std::vector<float>();
+    const Buffer<float> alpha = out.alpha.To(kCpu), truth = ToBuffer(view.rgb);
+    const Buffer<float> image = ColorCorrected(out.image.To(kCpu), truth, MaskOf(view));
+    const std::vector<float> of_models = models != nullptr ? models->At(view.camera) : std::vector<float>();
     for (int64_t p = 0; p < alpha.count(); p += step) {
       if (alpha[p] < kDrawn || (!view.mask.empty() && view.mask[static_cast<size_t>(p)] == 0)) continue;
       float error = 0;
-      for (int64_t c = 3 * p; c < 3 * p + 3; ++c) error += std::abs(std::clamp(image[c], 0.f, 1.f) - truth[c]) / 3;
+      for (int64_t c = 3 * p; c < 3 * p + 3; ++c) error += std::abs(image[c] - truth[c]) / 3;
       all.error.push_back(error);
       all.support.push_back(std::clamp(said[3 * p], 0.f, 1.f));
       all.of_gaussians.push_back(std::clamp(said[3 * p + 1] / alpha[p], 0.f, 1.f));

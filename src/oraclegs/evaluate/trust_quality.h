@@ -2,7 +2,6 @@
 // Whether a model is right about where it can be trusted: its support and its uncertainty against errors of renders.
 
 #include <array>
-#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <vector>
@@ -42,16 +41,11 @@ struct TrustQuality {
   std::optional<OracleQuality> of_models;     ///< quality of the models' differences at each pixel
 };
 
-/// Optional parts of MeasureTrust.
-struct TrustExtras {
-  std::function<void(size_t view, const Buffer<float>& render)> expose = {};  ///< as EvaluateExtras has it
-  Uncertainty* models = nullptr;                                              ///< compares the same model
-};
-
 /// Quality at the views: each view's render against its image, with the marks of the Gaussians blended like a color. A
-/// hole has no support; uncertainty is divided by alpha. Very many pixels are subsampled evenly. Pixels of alpha below
-/// 0.1, where nothing is drawn, and masked ones are left out. The device is that of the Gaussians.
+/// hole has no support; uncertainty is divided by alpha. Other exposures are no errors: renders are ColorCorrected.
+/// Very many pixels are subsampled evenly. Pixels of alpha below 0.1, where nothing is drawn, and masked ones are left
+/// out. `models` compares the same model with others; null = it has none. The device is that of the Gaussians.
 TrustQuality MeasureTrust(const Gaussians& gaussians, const GaussianMarks& marks, const std::vector<LoadedView>& views,
-                          const RenderOptions& options, const TrustExtras& extras = {});
+                          const RenderOptions& options, Uncertainty* models = nullptr);
 
 }  // namespace oraclegs

@@ -26,7 +26,7 @@ class Uncertainty {
   /// The expected |render - truth| of each pixel, mean over the channels, row by row.
   std::vector<float> At(const Camera& camera);
 
-  /// The expected error of each Gaussian, [N] in [0, 1]: the mean (of fourth powers) over the pixels of the views that
+  /// The expected error of each Gaussian, [N] in [0, 1]: the mean over the pixels of the views that
   /// show it, by its blending weights. One that no view shows is among the least certain: it has the value that 98 % of
   /// the others stay below.
   std::vector<float> OfGaussians(const std::vector<Camera>& views);

@@ -56,14 +56,12 @@ void AddTrust(const TrustQuality& quality, nlohmann::json* record) {
   if (quality.of_models) (*record)["uncertainty"]["models"] = ToJson(*quality.of_models);
 }
 
-TrustQuality TrustOf(const Run& run, const Model& model, const std::vector<LoadedView>& views,
-                     const EvaluateExtras& extras) {
+TrustQuality TrustOf(const Run& run, const Model& model, const std::vector<LoadedView>& views) {
   std::optional<Uncertainty> uncertainty;
   if (auto others = ModelsBeside(run.workspace, run.workspace.Record("train"), run.plan.device)) {
     uncertainty.emplace(model.gaussians, std::move(*others), model.render);
   }
-  return MeasureTrust(model.gaussians, model.marks, views, model.render,
-                      {extras.expose, uncertainty ? &*uncertainty : nullptr});
+  return MeasureTrust(model.gaussians, model.marks, views, model.render, uncertainty ? &*uncertainty : nullptr);
 }
 
 void UndoEvaluate(Run* run, const nlohmann::json&) {
@@ -96,7 +94,7 @@ std::optional<nlohmann::json> MakeEvaluate(Run* run, const std::string&) {
                            {"peak_memory_bytes", PeakMemoryBytes()},
                            {"files", {"metrics.json"}}};
   if (!held_out) record["train_views"] = std::move(scores);
-  if (held_out) AddTrust(TrustOf(*run, model, views, extras), &record);
+  if (held_out) AddTrust(TrustOf(*run, model, views), &record);
   record["seconds"] = watch.Seconds();
   WriteFileAtomically(workspace.metrics(), MetricsToJson(*run, record).dump(2) + "\n");
   return record;

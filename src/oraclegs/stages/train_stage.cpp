@@ -235,8 +235,9 @@ ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) 
 /// Files of the proxy models that the run has, as they were when they had seen all views.
 std::vector<std::string> ProxyFiles(const Run& run) {
   std::vector<std::string> files;
-  if (!ProxiesAlonePropose(run)) return files;
-  for (const nlohmann::json& file : run.workspace.Record("proxies").at("files")) {
+  const nlohmann::json record = run.workspace.Record("proxies");
+  if (!run.plan.Uses(run.options, kProxiesWord) || !record.is_object()) return files;
+  for (const nlohmann::json& file : record.at("files")) {
     if (file.get<std::string>().find("_before") == std::string::npos) files.push_back(file.get<std::string>());
   }
   return files;
