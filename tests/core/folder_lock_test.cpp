@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "oraclegs/core/atomic_file.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/host.h"
@@ -220,6 +221,17 @@ TEST(FolderLock, EndsWithTheProcess) {
   waitpid(child, nullptr, 0);
   EXPECT_FALSE(IsFolderLocked(dir.path()));
   close(ready[0]), close(ready[1]);
+}
+
+TEST(FolderLock, AFileOfAFolderThatWasReplacedSaysSo) {
+  const TempDir dir;
+  const std::filesystem::path held = dir / "held";
+  std::filesystem::create_directory(held);
+  const FolderLock lock(held);
+  std::filesystem::rename(held, dir / "moved");
+  std::filesystem::create_directory(held);
+  EXPECT_THAT(MessageOf<RunError>([&] { AtomicFile file(held / "deep" / "file"); }),
+              testing::StartsWith(held.string() + ": was removed or replaced"));
 }
 
 TEST(FolderLock, NothingIsMadeAnewInAFolderThatIsGone) {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/folder_lock.h"
 #include "oraclegs/core/host.h"
 
 namespace oraclegs {
@@ -127,6 +128,7 @@ void AtomicFile::Rename() {
 }
 
 void AtomicFile::Fail(const char* what, int error) const {
+  RequireHeldFolderOf(wanted_);  // which says more than that a folder below it is missing
   throw RunError("{}: {}: {}", wanted_.string(), what, SystemReason(error));
 }
 
