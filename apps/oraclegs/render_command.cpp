@@ -25,7 +25,7 @@ class RenderCommand : public SourceCommand {
     const Device device = ChooseDevice(options_.device.device, ProbeDevices());
     Model model = LoadModel(ply, options_, device, posed.frame, listener);
     if (const WorkspacePaths run(input_); InputIsWorkspace() && ply == run.point_cloud()) {
-      model.others = ModelsBeside(run, ReadStageRecords(run.root()).value("train", nlohmann::json()), device);
+      model.others = ModelsBeside(run, ReadStageRecords(run.root()).value("train", nlohmann::json()), device, listener);
     }
     RequireOutsideScene(out, posed.scene, options_.input.images);
     const auto cameras = PathCameras(posed, options_.image.Settled(), path_);

@@ -40,7 +40,7 @@ TEST(MeasureTrust, MeasuresWhatIsDrawn) {
   EXPECT_GT(q.pixels, 50);
   EXPECT_LT(q.pixels, 32 * 32);  // not where nothing is drawn
   EXPECT_GT(q.classes[0].share, 0.02);
-  EXPECT_GT(q.classes[0].mean_error, 0.2);  // no map of colors makes the ball a chessboard
+  EXPECT_GT(q.classes[0].mean_error, 0.2);  // no map of colors makes the ball a checkerboard
   EXPECT_FALSE(MeasureTrust(g, {{0.9f}}, {view}, {}).of_gaussians);
   EXPECT_FALSE(MeasureTrust(g, {}, {view}, {}).support);
   EXPECT_THROW(MeasureTrust(g, {{0.9f, 0.9f}}, {view}, {}), ShapeError);

@@ -1,5 +1,5 @@
 #pragma once
-// What a view's pixels add up to on each Gaussian that they show.
+// Sums of numbers of a view's pixels over the Gaussians that they show.
 
 #include <memory>
 

@@ -11,8 +11,8 @@
 namespace oraclegs {
 namespace {
 
-// The error of a pixel over the deviation of the models there. It was 2.9 to 4.5 on five scenes of four kinds: what is
-// common to all models, as the photos' noise, does not make them differ.
+// The error of a pixel over the deviation of the models there. It was 2.9 to 4.5 in five runs of three scenes: what
+// is common to all models, as the photos' noise, does not make them differ.
 constexpr float kErrorOfDeviation = 3.3f;
 constexpr int kReach = 2;         // px, of the window of 5 x 5 that a deviation is the mean of
 constexpr int kStandIns = 2;      // for other models

@@ -38,9 +38,8 @@ GaussianPly Pruned(const GaussianPly& splat, const ExportOptions& options, const
   }
   if (options.max_uncertainty < 1 && splat.marks.uncertainty.empty()) {
     throw InputError(
-        "{}: says nothing of how sure its Gaussians are, which --max-uncertainty goes by; give a model that oraclegs "
-        "has "
-        "trained, or leave the option out",
+        "{}: says nothing of how sure its Gaussians are, which --max-uncertainty goes by; give a model that "
+        "oraclegs has trained, or leave the option out",
         file);
   }
   const float* logits = gaussians.opacity_logits.data();

@@ -58,7 +58,7 @@ void AddTrust(const TrustQuality& quality, nlohmann::json* record) {
 
 TrustQuality TrustOf(const Run& run, const Model& model, const std::vector<LoadedView>& views) {
   std::optional<Uncertainty> uncertainty;
-  if (auto others = ModelsBeside(run.workspace, run.workspace.Record("train"), run.plan.device)) {
+  if (auto others = ModelsBeside(run.workspace, run.workspace.Record("train"), run.plan.device, run.listener)) {
     uncertainty.emplace(model.gaussians, std::move(*others), model.render);
   }
   return MeasureTrust(model.gaussians, model.marks, views, model.render, uncertainty ? &*uncertainty : nullptr);
@@ -154,14 +154,15 @@ Model LoadModel(const fs::path& ply, const RunOptions& options, Device device, c
 }
 
 std::optional<std::vector<Gaussians>> ModelsBeside(const WorkspacePaths& paths, const nlohmann::json& train_record,
-                                                   Device device) {
+                                                   Device device, const Listener& listener) {
   if (!train_record.is_object() || !train_record.contains("others")) return std::nullopt;
   std::vector<Gaussians> models;
   try {
     for (const nlohmann::json& file : train_record.at("others")) {
       models.push_back(ReadIntactGaussianPly(paths.root() / file.get<std::string>()).gaussians.To(device));
     }
-  } catch (const InputError&) {  // what the models were needed for does without
+  } catch (const InputError& error) {
+    listener(Warning{fmt::format("{}; the uncertainty does not use the run's draft models", error.what())});
     return std::nullopt;
   }
   return models;

@@ -33,9 +33,9 @@ Model LoadModel(const std::filesystem::path& ply, const RunOptions& options, Dev
                 const SceneFrame& frame = {}, const Listener& listener = Silent());
 
 /// Reads the models that a run's result was compared with, as record "train" names them, in the run's coordinates.
-/// Nothing where it does not, or a file is missing or damaged.
+/// Nothing where it does not, or, with a warning, where a file is missing or damaged.
 std::optional<std::vector<Gaussians>> ModelsBeside(const WorkspacePaths& paths, const nlohmann::json& train_record,
-                                                   Device device);
+                                                   Device device, const Listener& listener);
 
 /// Scores a model on the views {"psnr", ...} (evaluate.h); warns when there are none. `renders`: receives the images,
 /// empty = nothing is written. `lpips`: files of its weights, none = no such score.

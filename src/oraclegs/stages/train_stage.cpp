@@ -244,7 +244,7 @@ std::vector<std::string> ProxyFiles(const Run& run) {
 }
 
 /// Cameras of the images, and of at most kUncertainProposals proposals, evenly.
-std::vector<Camera> JudgedCameras(const std::vector<SupportView>& views) {
+std::vector<Camera> CamerasOfUncertainty(const std::vector<SupportView>& views) {
   std::vector<Camera> images, proposals;
   for (const SupportView& view : views) (view.is_proposal ? proposals : images).push_back(view.camera);
   const size_t count = std::min(proposals.size(), kUncertainProposals);
@@ -259,9 +259,10 @@ GaussianMarks MarksOfModel(const Run& run, const ReadyTrainer& ready) {
   render.background = BackgroundColor(run.options.image.background);
   render.antialiased = run.options.train.antialiased;
   try {
-    auto others = ModelsBeside(run.workspace, {{"others", ProxyFiles(run)}}, run.plan.device);
+    auto others = ModelsBeside(run.workspace, {{"others", ProxyFiles(run)}}, run.plan.device, run.listener);
     Uncertainty uncertainty(trainer.gaussians(), others ? std::move(*others) : std::vector<Gaussians>(), render);
-    return {Support(trainer.gaussians(), ready.views, render), uncertainty.OfGaussians(JudgedCameras(ready.views))};
+    return {Support(trainer.gaussians(), ready.views, render),
+            uncertainty.OfGaussians(CamerasOfUncertainty(ready.views))};
   } catch (const Interrupted&) {
     WriteCheckpoint(CheckpointPath(run.workspace.checkpoints(), trainer.iteration()), trainer.MakeCheckpoint());
     throw;

@@ -30,7 +30,8 @@ void UndoReport(Run* run, const nlohmann::json&) {
 
 std::optional<nlohmann::json> MakeReport(Run* run, const std::string&) {
   Model model = LoadModel(run->workspace.point_cloud(), run->options, run->plan.device, run->frame);
-  model.others = ModelsBeside(run->workspace, run->workspace.Record("train"), run->plan.device);
+  model.others =
+      ModelsBeside(run->workspace, run->workspace.Record("train"), run->plan.device, Silent());  // evaluation warned
   OrbitVideo film;
   film.frames = run->options.report.orbit_frames;
   const fs::path video = WriteOrbitVideo(*run, model, film);
