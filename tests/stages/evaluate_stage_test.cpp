@@ -1,10 +1,14 @@
 #include "oraclegs/stages/evaluate_stage.h"
 
+#include <gmock/gmock.h>
+
+#include "oraclegs/core/files.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/output/evaluate_ply.h"
 #include "oraclegs/stages/metrics.h"
 #include "run/trained.h"
 #include "support/errors.h"
+#include "support/event_recorder.h"
 #include "support/network_files.h"
 #include "support/temp_dir.h"
 
@@ -31,6 +35,23 @@ TEST_F(EvaluateStageTest, ScoresLpipsInBothConventions) {
   const EvaluateRequest ply{*temp / "out" / "point_cloud.ply", with.options, {}, "test"};
   EXPECT_EQ(EvaluatePly(ply, posed, Silent()).at("test"), test);
   Reconstruct(*request, Silent());  // as the other tests expect it
+}
+
+TEST(ModelsBeside, ReadsWhatTrainingNamedOrWarns) {
+  const TempDir dir;
+  const WorkspacePaths paths(dir.path());
+  Gaussians three = Gaussians::Zeros(3);
+  for (int64_t i = 0; i < 3; ++i) three.quats[4 * i] = 1;
+  WriteGaussianPly(dir / "0.ply", three);
+  EventRecorder events;
+  EXPECT_EQ(ModelsBeside(paths, {{"others", {"0.ply"}}}, kCpu, events.AsListener()).value().at(0).size(), 3);
+  EXPECT_TRUE(ModelsBeside(paths, {{"others", nlohmann::json::array()}}, kCpu, events.AsListener()).value().empty());
+  EXPECT_FALSE(ModelsBeside(paths, nlohmann::json::object(), kCpu, events.AsListener())) << "of an older version";
+  EXPECT_TRUE(events.warnings.empty());
+  WriteFileAtomically(dir / "1.ply", ReadFile(dir / "0.ply").substr(0, 400));
+  EXPECT_FALSE(ModelsBeside(paths, {{"others", {"0.ply", "1.ply"}}}, kCpu, events.AsListener()));
+  ASSERT_EQ(events.warnings.size(), 1u);
+  EXPECT_THAT(events.warnings[0], testing::HasSubstr((dir / "1.ply").string()));
 }
 
 TEST_F(EvaluateStageTest, NeedsAModel) {
