@@ -38,7 +38,13 @@ TEST(WithSize, GrowsWithQuality) {
   EXPECT_LT(normal.train.iterations.value(), high.train.iterations.value());
   EXPECT_LT(draft.train.max_gaussians.value(), normal.train.max_gaussians.value());
   EXPECT_LT(normal.train.max_gaussians.value(), high.train.max_gaussians.value());
-  EXPECT_EQ(draft.propose.proposers, std::string("warp"));
+  EXPECT_EQ(draft.stereo.geometric_passes, 1);
+  EXPECT_EQ(normal.stereo.geometric_passes, 2);
+}
+
+TEST(WithSize, WarpsViewsForADraftOfFewPhotosAlone) {
+  EXPECT_EQ(WithSize(On(Quality::kDraft), kPhones, {false}).propose.proposers, std::string("none"));
+  EXPECT_EQ(WithSize(On(Quality::kDraft), {5, {4000, 3000}}, {false}).propose.proposers, std::string("warp"));
 }
 
 TEST(WithSize, TrainsSmallImagesForLonger) {

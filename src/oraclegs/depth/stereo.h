@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "oraclegs/core/options.h"
 #include "oraclegs/core/progress.h"
 #include "oraclegs/depth/depth_map.h"
 #include "oraclegs/scene/loaded_view.h"
@@ -17,14 +16,6 @@ class PlaneSearch;
 struct StereoOptions {
   int iterations = 5;
   int geometric_passes = 2;
-
-  template <class Self, class V>
-  static void Visit(Self& self, V&& visit) {
-    visit("stereo-iterations", self.iterations,
-          "Iterations of the photometric search (PatchMatch), at the coarse resolution", Range{1, 50}, Tier::kSetting);
-    visit("stereo-passes", self.geometric_passes, "Geometric-consistency passes at each resolution", Range{1, 16},
-          Tier::kSetting);
-  }
 };
 
 /// Depth maps of the views, in their order, empty for those not in ViewsForStereo: coarse-to-fine PatchMatch, then

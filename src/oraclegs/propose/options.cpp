@@ -41,8 +41,8 @@ const char* ProposersHelp() {
   static const std::string help = [] {
     std::string text = "What proposes new views, words separated by commas: ";
     for (const KnownProposer& one : KnownProposers()) text += fmt::format("{} = {}; ", one.word, one.what);
-    return text +
-           fmt::format("{} = nothing; auto = {}, or {} with --quality draft", kNoneWord, kProxiesWord, kWarpWord);
+    return text + fmt::format("{} = nothing; auto = {}; with --quality draft {}, of five photos or fewer {}", kNoneWord,
+                              kProxiesWord, kNoneWord, kWarpWord);
   }();
   return help.c_str();
 }

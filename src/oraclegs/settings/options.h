@@ -9,7 +9,6 @@
 #include "oraclegs/baselines/settings.h"
 #include "oraclegs/capture/import.h"
 #include "oraclegs/core/options.h"
-#include "oraclegs/depth/stereo.h"
 #include "oraclegs/image/image.h"
 #include "oraclegs/networks/seva_options.h"
 #include "oraclegs/propose/options.h"
@@ -17,6 +16,7 @@
 #include "oraclegs/scene/frame.h"
 #include "oraclegs/scene/split.h"
 #include "oraclegs/settings/image_options.h"
+#include "oraclegs/settings/stereo_options.h"
 #include "oraclegs/train/options.h"
 #include "oraclegs/validate/options.h"
 
@@ -294,7 +294,7 @@ struct RunOptions {
   SplitOptions split;
   AutoImageOptions image;
   StartOptions start;
-  StereoOptions stereo;
+  AutoStereoOptions stereo;
   DepthOptions depth;
   TrajectoryOptions trajectory;
   ProposeOptions propose;

@@ -58,8 +58,10 @@ double SecondsOfFeatures(const EstimateInput& input, int photos) {
 }
 
 double SecondsOfStereo(const EstimateInput& input) {
-  constexpr double kStereoOfPixel = 17e-6;
-  return kStereoOfPixel * CoveredPixels(input) * std::min<double>(input.scene.views, kMaxStereoViews);
+  constexpr double kSearchOfPixel = 3.4e-6, kPassOfPixel = 6.8e-6;
+  const int passes = input.options.stereo.Settled().geometric_passes;
+  const double of_pixel = kSearchOfPixel + kPassOfPixel * passes;
+  return of_pixel * CoveredPixels(input) * std::min<double>(input.scene.views, kMaxStereoViews);
 }
 
 double SecondsOfScores(const EstimateInput& input, double views) {

@@ -35,8 +35,8 @@ std::vector<DepthMap> StereoOf(const Run& run, const std::vector<LoadedView>& vi
     named.stage = stage;
     run.listener(named);
   };
-  return EstimateDepth(views, SeenByTrainingViews(run), run.options.stereo, MakePlaneSearch(run.plan.device).get(),
-                       listener);
+  return EstimateDepth(views, SeenByTrainingViews(run), run.options.stereo.Settled(),
+                       MakePlaneSearch(run.plan.device).get(), listener);
 }
 
 std::vector<double> ConfirmedDepth(Scene model, Device device) {
