@@ -1,4 +1,4 @@
-#include "oraclegs/depth/patch_match.h"
+#include "oraclegs/depth/confidence.h"
 
 #include <gtest/gtest.h>
 
@@ -22,6 +22,23 @@ class ConfidenceTest : public testing::Test {
   }
   void Look(int views, double step) { See(Arc(views, step)); }
   std::vector<float> Of(size_t view) const { return Confidence(scene_, view, maps_); }
+
+  /// The maps as stereo hands them on.
+  std::vector<DepthMap> DepthMaps() const {
+    std::vector<DepthMap> depth;
+    for (size_t v = 0; v < maps_.size(); ++v) {
+      const Camera& camera = scene_.views[v].camera;
+      DepthMap map{fmt::format("{}", v), camera, {}, {}, Of(v)};
+      for (size_t i = 0; i < maps_[v].planes.size(); ++i) {
+        const Plane& plane = maps_[v].planes[i];
+        const float x = static_cast<float>(i % kWidth) + 0.5f, y = static_cast<float>(i / kWidth) + 0.5f;
+        map.inv_depth.push_back(plane.inv_depth);
+        map.normals.push_back(plane.inv_depth > 0 ? NormalOf(camera, plane, x, y) : Eigen::Vector3f::Zero());
+      }
+      depth.push_back(std::move(map));
+    }
+    return depth;
+  }
 
   /// Makes all of `view` unknown except for a square.
   void KeepSquare(size_t view, int x0, int y0, int side) {
@@ -140,6 +157,41 @@ TEST_F(ConfidenceTest, IsZeroAtUnknownAndUnusablePixels) {
   EXPECT_EQ(confidence[At(50, 36)], 0);
   EXPECT_EQ(confidence[At(30, 30)], 0);
   EXPECT_GT(confidence[At(31, 30)], 0.5);
+}
+
+TEST_F(ConfidenceTest, WithoutAViewIsThatOfTheOthers) {
+  const std::vector<Camera> cameras = Arc(4, 8);
+  See({cameras[0], cameras[2], cameras[3]});
+  const std::vector<float> others = Of(0);
+  See(cameras);
+  const std::vector<DepthMap> maps = DepthMaps();
+  const std::vector<float> without = ConfidenceWithout(maps, 0, {1});
+  double fallen = 0;
+  for (size_t i = 0; i < others.size(); ++i) {
+    ASSERT_NEAR(without[i], others[i], 0.02) << i;
+    fallen += maps[0].confidence[i] - without[i];
+  }
+  EXPECT_GT(fallen / static_cast<double>(others.size()), 0.05);
+  EXPECT_EQ(ConfidenceWithout(maps, 0, {}), maps[0].confidence);
+  for (const float c : ConfidenceWithout(maps, 0, {1, 2, 3})) EXPECT_EQ(c, 0) << "nobody is left to agree";
+}
+
+TEST_F(ConfidenceTest, WithoutAViewDoesNotDependOnIt) {
+  Look(4, 8);
+  const float sure = Of(0)[At(48, 36)];
+  const std::vector<float> before = ConfidenceWithout(DepthMaps(), 0, {1});
+  for (Plane& plane : maps_[1].planes) plane.inv_depth *= 1.02f;
+  maps_[1].costs.assign(maps_[1].costs.size(), kWorstCost);
+  ASSERT_LT(Of(0)[At(48, 36)], 0.98f * sure) << "it no longer agrees";
+  const std::vector<float> after = ConfidenceWithout(DepthMaps(), 0, {1});
+  for (size_t i = 0; i < before.size(); ++i) ASSERT_NEAR(after[i], before[i], 1e-5) << i;
+}
+
+TEST_F(ConfidenceTest, WithoutAViewIsThatOfTheOnesThatStandIn) {
+  Look(13, 3);
+  const std::vector<DepthMap> maps = DepthMaps();
+  const std::vector<float> without = ConfidenceWithout(maps, 6, {5});
+  EXPECT_NEAR(without[At(48, 36)], maps[6].confidence[At(48, 36)], 0.01);
 }
 
 }  // namespace

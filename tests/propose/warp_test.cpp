@@ -99,6 +99,15 @@ TEST_F(WarpTest, HoldsViewOut) {
   for (const uint16_t from : view.provenance) EXPECT_NE(from, 3);
 }
 
+TEST_F(WarpTest, IsLessSureWithoutAView) {
+  const Warper warper({views, maps});
+  const WarpedView with = warper.Warp(views[1].camera), without = warper.Warp(views[1].camera, 2);
+  double fallen = 0;
+  for (size_t i = 0; i < with.evidence.size(); ++i)
+    fallen += with.evidence[i].confidence - without.evidence[i].confidence;
+  EXPECT_GT(fallen / static_cast<double>(with.evidence.size()), 0.02) << "it agreed with the others";
+}
+
 TEST_F(WarpTest, DividesColorsByGains) {
   const Camera between = CameraAt({0.3, 0, -4}, {0, 0, 0}, 96, 72);
   const ImageF truth = Take(between).rgb;

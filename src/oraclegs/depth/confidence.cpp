@@ -1,4 +1,4 @@
-#include "oraclegs/depth/patch_match.h"
+#include "oraclegs/depth/confidence.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -7,6 +7,7 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/statistics.h"
 #include "oraclegs/depth/nearest_sources.h"
+#include "oraclegs/depth/patch_match.h"
 
 namespace oraclegs {
 namespace {
@@ -54,6 +55,15 @@ float AngleBetween(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * static_cast<float>(180 / M_PI);
 }
 
+/// Agreement of another view with a point after its round trip: 1 = in full, and from an angle (degrees) that measures.
+float Agreement(const RoundTrip& trip, float angle) {
+  const float e = trip.pixels / kPixelSigma, r = trip.relative_depth / kDepthSigma;
+  return std::clamp(angle / kMeasuringAngle, kMinAngleWeight, 1.f) * std::exp(-(e * e + r * r) / 2);
+}
+
+/// Share of [0, 1] that so much agreement makes sure.
+float Believed(float support) { return 1 - std::exp(-kSupportRate * support); }
+
 float ConfidenceOf(const Camera& camera, const std::vector<OtherView>& others, const Plane& plane, float cost,
                    const Eigen::Vector2f& uv) {
   const Eigen::Vector3f point = RayOf(camera, uv.x(), uv.y()) / plane.inv_depth;
@@ -64,15 +74,70 @@ float ConfidenceOf(const Camera& camera, const std::vector<OtherView>& others, c
     if (!trip.seen) continue;
     const float angle = AngleBetween(point, point - other.center);
     if (angle > kMaxAngle) continue;
-    const float e = trip.pixels / kPixelSigma, r = trip.relative_depth / kDepthSigma;
-    support += std::clamp(angle / kMeasuringAngle, kMinAngleWeight, 1.f) * std::exp(-(e * e + r * r) / 2);
+    support += Agreement(trip, angle);
     if (trip.relative_depth > kSeenThrough) continue;
     const Vec3f q = other.there(uv.x(), uv.y(), plane.inv_depth);
     const int x = static_cast<int>(q.x / q.z), y = static_cast<int>(q.y / q.z);
     violations += other.map->costs[static_cast<size_t>(y) * other.map->width + x] < kSeenThroughCost ? 1 : 0;
   }
-  return (1 - std::exp(-kSupportRate * support)) * std::clamp((kUnrelatedCost - cost) / kCostSpan, 0.f, 1.f) *
+  return Believed(support) * std::clamp((kUnrelatedCost - cost) / kCostSpan, 0.f, 1.f) *
          std::exp(-kViolationRate * static_cast<float>(violations));
+}
+
+/// The planes of a depth map's pixels.
+struct PlanesOfMap {
+  const DepthMap& map;
+  int width, height;
+
+  Plane At(int x, int y) const {
+    const size_t i = static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
+    const float w = map.inv_depth[i];
+    const Eigen::Vector3f ray = RayOf(map.camera, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+    const Eigen::Vector3f& normal = map.normals[i];
+    // 1/z is n'(ray) / n'X along the plane's rays, linear over the image.
+    const float facing = normal.dot(ray);
+    if (!(facing < 0)) return {w, 0, 0};
+    return {w, w * normal.x() / (facing * static_cast<float>(map.camera.fx)),
+            w * normal.y() / (facing * static_cast<float>(map.camera.fy))};
+  }
+};
+
+/// A view that says whether a depth of another is right.
+struct Witness {
+  PlainPixelMap there, back;
+  PlanesOfMap planes;
+  Eigen::Vector3f center;  ///< in the frame of the view whose depth it is
+  bool with, without;      ///< whether it counts with the hidden views, without them
+};
+
+std::vector<Witness> WitnessesOf(const std::vector<DepthMap>& maps, size_t view, const std::vector<int>& hidden) {
+  NearestSources rest;
+  for (size_t v = 0; v < maps.size(); ++v) {
+    const bool is_there =
+        maps[v].size() > 0 && std::find(hidden.begin(), hidden.end(), static_cast<int>(v)) == hidden.end();
+    if (is_there) {
+      rest.Add(maps[v].camera, [&map = maps[v]](size_t i) { return map.inv_depth[i]; });
+    } else {
+      rest.AddNone();
+    }
+  }
+  const Camera& camera = maps[view].camera;
+  const std::vector<size_t> with = NearestSources(maps).For(camera, kMaxWitnesses, view),
+                            without = rest.For(camera, kMaxWitnesses, view);
+  std::vector<Witness> witnesses;
+  for (size_t v = 0; v < maps.size(); ++v) {
+    const bool is_with = std::binary_search(with.begin(), with.end(), v);
+    const bool is_without = std::binary_search(without.begin(), without.end(), v);
+    if (!is_with && !is_without) continue;
+    const Camera& other = maps[v].camera;
+    witnesses.push_back({Plain(MapBetween(camera, other)),
+                         Plain(MapBetween(other, camera)),
+                         {maps[v], other.width, other.height},
+                         (camera.cam_from_world * other.Center()).cast<float>(),
+                         is_with,
+                         is_without});
+  }
+  return witnesses;
 }
 
 /// Damps the confidence of pixels far from the median of their surroundings.
@@ -140,6 +205,34 @@ std::vector<float> Confidence(const StereoScene& scene, size_t view, const std::
   });
   DampOutliers(map, &confidence);
   DampIslands(map, &confidence);
+  return confidence;
+}
+
+std::vector<float> ConfidenceWithout(const std::vector<DepthMap>& maps, size_t view, const std::vector<int>& hidden) {
+  const DepthMap& map = maps[view];
+  std::vector<float> confidence = map.confidence;
+  const std::vector<Witness> witnesses = WitnessesOf(maps, view, hidden);
+  if (std::all_of(witnesses.begin(), witnesses.end(), [](const Witness& w) { return w.with == w.without; })) {
+    return confidence;
+  }
+  ParallelFor(map.camera.height, [&](int64_t y) {
+    for (int x = 0; x < map.camera.width; ++x) {
+      const size_t i = static_cast<size_t>(y) * static_cast<size_t>(map.camera.width) + static_cast<size_t>(x);
+      if (!(confidence[i] > 0)) continue;
+      const Eigen::Vector3f uvw = PixelOf(map, i), point = RayOf(map.camera, uvw.x(), uvw.y()) / uvw.z();
+      float with = 0, without = 0;
+      for (const Witness& witness : witnesses) {
+        const RoundTrip trip = GoAndReturn(witness.there, witness.back, witness.planes, {uvw.x(), uvw.y(), uvw.z()});
+        if (!trip.seen) continue;
+        const float angle = AngleBetween(point, point - witness.center);
+        if (angle > kMaxAngle) continue;
+        const float agreement = Agreement(trip, angle);
+        with += witness.with ? agreement : 0;
+        without += witness.without ? agreement : 0;
+      }
+      if (without < with && Believed(with) > 0) confidence[i] *= Believed(without) / Believed(with);
+    }
+  });
   return confidence;
 }
 

@@ -18,7 +18,7 @@ constexpr double kAngle = 25 * std::numbers::pi_v<double> / 180.0;  // over whic
 NearestSources::NearestSources(const std::vector<DepthMap>& maps) {
   for (const DepthMap& map : maps) {
     if (map.size() == 0) {
-      sources_.emplace_back();
+      AddNone();
     } else {
       Add(map.camera, [&map](size_t i) { return map.inv_depth[i]; });
     }

@@ -21,6 +21,8 @@ class NearestSources {
 
   /// Adds the next view, which has depth. `inv_depth` of a pixel (row by row): 1/z, 0 = unknown.
   void Add(const Camera& camera, FunctionRef<float(size_t)> inv_depth);
+  /// Adds a next view, which has none.
+  void AddNone() { sources_.emplace_back(); }
 
   /// Indices of at most `most` views that have depth, ascending, without `but`: those of whose surfaces `to` has the
   /// most in frame, seen from near its own direction. All that have depth where there are no more than that.

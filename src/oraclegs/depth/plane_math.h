@@ -40,22 +40,26 @@ struct PlainPixelMap {
 struct KnownPlanes {
   const Plane* planes = nullptr;
   int width = 0, height = 0;
+
+  ORACLEGS_HD inline Plane At(int x, int y) const { return planes[static_cast<int64_t>(y) * width + x]; }
 };
 
 /// Round trip of the pixel (u, v) with inverse depth w: mapped to another view, and back with the depth known there.
+/// `Planes` is KnownPlanes, or finds the plane of a pixel in another way.
 struct RoundTrip {
   bool seen = false;         ///< whether it falls into the other image, where depth is known
   float pixels = 0;          ///< distance from the start, pixels
   float relative_depth = 0;  ///< depth there, of the point over that of the known surface, minus 1; > 0 = occluded
 };
-ORACLEGS_HD inline RoundTrip GoAndReturn(const PlainPixelMap& there, const PlainPixelMap& back,
-                                         const KnownPlanes& other, const Vec3f& uvw) {
+template <class Planes>
+ORACLEGS_HD inline RoundTrip GoAndReturn(const PlainPixelMap& there, const PlainPixelMap& back, const Planes& other,
+                                         const Vec3f& uvw) {
   const Vec3f q = there(uvw.x, uvw.y, uvw.z);
   if (!(q.z > 0)) return {};
   const float u = q.x / q.z, v = q.y / q.z;
   if (!(u >= 0 && v >= 0 && u < static_cast<float>(other.width) && v < static_cast<float>(other.height))) return {};
   const int x = static_cast<int>(u), y = static_cast<int>(v);
-  const Plane plane = other.planes[static_cast<int64_t>(y) * other.width + x];
+  const Plane plane = other.At(x, y);
   if (!(plane.inv_depth > 0)) return {};
   const float known = plane.At(u - static_cast<float>(x) - 0.5f, v - static_cast<float>(y) - 0.5f);
   if (!(known > 0)) return {};

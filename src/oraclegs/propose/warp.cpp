@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/depth/confidence.h"
 #include "oraclegs/depth/plane.h"
 #include "oraclegs/propose/fill_holes.h"
 #include "oraclegs/propose/warp_device.h"
@@ -99,6 +100,9 @@ WarpTask Warper::TaskOf(const Camera& camera, std::optional<int> held_out) const
   if (held_out) but = static_cast<size_t>(*held_out);
   for (const size_t v : nearest_sources_.For(camera, kMaxWarped, but)) {
     task.sources.push_back(SourceOf(sources_, v, camera));
+    if (!held_out) continue;
+    task.confidence.push_back(ConfidenceWithout(sources_.maps, v, {*held_out}));
+    task.sources.back().confidence = task.confidence.back().data();
   }
   return task;
 }

@@ -23,7 +23,8 @@ class Warper {
   Warper(WarpSources sources, std::unique_ptr<WarpDevice> device);
   ~Warper();
 
-  /// The view from `camera`, without the training view of index `held_out`. Depths of the nearest views are splatted;
+  /// The view from `camera`, without the training view of index `held_out`, whose image and depth count for nothing:
+  /// not for the confidence of the others' depth either (ConfidenceWithout). Depths of the nearest views are splatted;
   /// each pixel takes the nearest surface with enough votes, and holes are filled from the farther surroundings. Colors
   /// come from the views that show that surface, those near the ray first. Without any depth in view the image has the
   /// background's color, and a ring of width + height everywhere.

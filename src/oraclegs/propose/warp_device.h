@@ -34,6 +34,8 @@ struct WarpedView {
 struct WarpTask {
   WarpScene scene;                  ///< without sources
   std::vector<WarpSource> sources;  ///< in the order of their numbers; images in the host's memory
+  /// Confidence that stands in for that of each source's map, which it points to; empty: the maps' own.
+  std::vector<std::vector<float>> confidence = {};
 };
 
 /// Depth of a new view's pixels before they have colors, row by row.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "oraclegs/core/text.h"
+#include "oraclegs/depth/confidence.h"
 #include "oraclegs/gaussians/initialize.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/stages/stage_seconds.h"
@@ -62,13 +63,25 @@ TrainOptions FinishOptions(const RunOptions& options, bool is_object, TrainOptio
   return proxy;
 }
 
+/// All views' depth, as sure as it is without the ones held out.
+Geometry Unseen(const Geometry& all, const std::vector<int>& held_out) {
+  Geometry unseen;
+  unseen.maps = all.maps, unseen.gains = all.gains;
+  for (size_t v = 0; v < all.maps.size(); ++v) {
+    const bool is_held_out = std::find(held_out.begin(), held_out.end(), static_cast<int>(v)) != held_out.end();
+    if (all.maps[v].size() > 0 && !is_held_out) unseen.maps[v].confidence = ConfidenceWithout(all.maps, v, held_out);
+  }
+  return unseen;
+}
+
 /// Geometry of the views that are not held out.
-Geometry GeometryWithout(const Geometry& all, const std::vector<LoadedView>& shown, const std::vector<int>& held_out) {
+Geometry GeometryWithout(const Geometry& unseen, const std::vector<LoadedView>& shown,
+                         const std::vector<int>& held_out) {
   Geometry rest;
-  rest.maps = Without(all.maps, held_out);
-  rest.gains = Without(all.gains, held_out);
+  rest.maps = Without(unseen.maps, held_out);
+  rest.gains = Without(unseen.gains, held_out);
   FusionOptions fusion = FusionOf(rest.gains);
-  fusion.min_confidence = ConfidenceOfPoints(all.maps);  // all views took part in these
+  fusion.min_confidence = ConfidenceOfPoints(rest.maps);
   rest.points = FuseDepth(rest.maps, shown, fusion);
   return rest;
 }
@@ -90,9 +103,11 @@ class ProxyTrainer {
   /// Trains model `number` and writes its files; false, with a warning, where too little is left of the views.
   bool Train(int number, const std::vector<int>& held_out, const std::vector<fs::path>& files,
              const Listener& listener) const {
-    const std::vector<TrainView> kept = Without(views_, held_out);
+    const Geometry unseen = Unseen(geometry_, held_out);
+    const std::vector<TrainView> kept =
+        Without(MakeTrainViews(training_, unseen, run_.options.train.depth_loss), held_out);
     const std::vector<LoadedView> shown = Without(training_.views, held_out);
-    const Geometry rest = GeometryWithout(geometry_, shown, held_out);
+    const Geometry rest = GeometryWithout(unseen, shown, held_out);
     if (kept.size() < kMinViewsOfProxy || rest.points.size() < kMinPointsForStart) {
       run_.listener(Warning{fmt::format(
           "no proxy models for --proposers proxies: one would have {} views and {} dense points, and needs {} and {}; "

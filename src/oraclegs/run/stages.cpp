@@ -14,11 +14,11 @@ const std::vector<Stage>& Stages() {
       {"sfm", 1, {"register"}, SfmStage()},
       {"poses", 1, {"sfm"}, PosesStage()},
       {"depth", 7, {"sfm", "poses"}, DepthStage()},
-      {"proxies", 2, {"depth"}, ProxyStage()},
+      {"proxies", 3, {"depth"}, ProxyStage()},
       {"propose", 3, {"depth", "proxies"}, ProposeStage()},
-      {"validate", 4, {"propose"}, ValidateStage()},
+      {"validate", 5, {"propose"}, ValidateStage()},
       {"train", 1, {"sfm", "depth", "validate"}, TrainStage()},
-      {"evaluate", 3, {"train"}, EvaluateStage()},
+      {"evaluate", 4, {"train"}, EvaluateStage()},
       {"report", 1, {"evaluate"}, ReportStage()},
   };
   return stages;

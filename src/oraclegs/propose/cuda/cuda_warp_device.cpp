@@ -145,11 +145,26 @@ class CudaWarpDevice : public WarpDevice {
     UseDevice(index_);
     std::vector<WarpSource> here;
     for (const WarpSource& source : task.sources) here.push_back(images_.Here(source));
+    TakeConfidence(task, &here);
     sources_.Upload(here.data(), static_cast<int64_t>(here.size()));
     WarpScene scene = task.scene;
     scene.sources = sources_.data();
     scene.count = static_cast<int>(here.size());
     return scene;
+  }
+
+  /// Sends the confidence that stands in for that of the sources' maps.
+  void TakeConfidence(const WarpTask& task, std::vector<WarpSource>* here) {
+    size_t total = 0;
+    for (const std::vector<float>& of_source : task.confidence) total += of_source.size();
+    if (total == 0) return;
+    confidence_.ReserveExactly(static_cast<int64_t>(total));
+    float* next = confidence_.data();
+    for (size_t k = 0; k < task.confidence.size(); ++k) {
+      Send(task.confidence[k].data(), task.confidence[k].size(), next);
+      (*here)[k].confidence = next;
+      next += task.confidence[k].size();
+    }
   }
 
   void Reserve(int64_t pixels) {
@@ -173,7 +188,7 @@ class CudaWarpDevice : public WarpDevice {
   DeviceArray<uint32_t> counts_{kDepths}, ends_{kDepths};
   DeviceArray<WarpSample> samples_{kDepths};
   Scratch scratch_{kDepths};
-  DeviceArray<float> inv_depth_{kView}, rgb_{kView}, known_{kView};
+  DeviceArray<float> inv_depth_{kView}, rgb_{kView}, known_{kView}, confidence_{kView};
   DeviceArray<uint8_t> beside_{kView};
   DeviceArray<PixelEvidence> evidence_{kView};
   DeviceArray<uint16_t> provenance_{kView};
