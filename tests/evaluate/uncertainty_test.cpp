@@ -9,6 +9,7 @@ namespace oraclegs {
 namespace {
 
 constexpr int kSide = 32;
+constexpr float kNoise = 0.007f;  // of photos
 
 Camera WideCamera() {
   Camera camera;
@@ -45,11 +46,11 @@ TEST(Uncertainty, IsWhereModelsDiffer) {
   const Gaussians model = ThreeBalls();
   Uncertainty uncertainty(model, {WithBrighterRight(0.05f), WithBrighterRight(-0.05f)}, {});
   const std::vector<float> at = uncertainty.At(WideCamera());
-  EXPECT_LT(AtPixel(at, 8, 16), 1e-5f) << "the models agree";
-  EXPECT_EQ(AtPixel(at, 16, 2), 0) << "nothing is there";
-  // Deviation of 0, .05 and -.05 is .041, and errors are about three times as large.
-  EXPECT_GT(AtPixel(at, 24, 16), 0.08f);
-  EXPECT_LT(AtPixel(at, 24, 16), 0.16f);
+  EXPECT_NEAR(AtPixel(at, 8, 16), kNoise, 1e-5f) << "the models agree";
+  EXPECT_EQ(AtPixel(at, 16, 2), kNoise) << "nothing is there";
+  // Deviation of 0, .05 and -.05 is .041, and errors are more than twice as large.
+  EXPECT_GT(AtPixel(at, 24, 16), 0.06f);
+  EXPECT_LT(AtPixel(at, 24, 16), 0.12f);
 }
 
 TEST(Uncertainty, OfGaussiansIsThatOfThePixelsThatShowThem) {
@@ -57,7 +58,7 @@ TEST(Uncertainty, OfGaussiansIsThatOfThePixelsThatShowThem) {
   Uncertainty uncertainty(model, {WithBrighterRight(0.05f), WithBrighterRight(-0.05f)}, {});
   const std::vector<float> of = uncertainty.OfGaussians({WideCamera(), WideCamera()});
   ASSERT_EQ(of.size(), 3u);
-  EXPECT_LT(of[0], 1e-3f);
+  EXPECT_NEAR(of[0], kNoise, 1e-3f);
   EXPECT_GT(of[1], 0.05f);
   EXPECT_EQ(of[2], of[1]) << "not seen: as little certain as the others get";
   EXPECT_EQ(Uncertainty(model, {}, {}).OfGaussians({})[0], 1) << "nothing is known where no view is";
@@ -75,8 +76,8 @@ TEST(Uncertainty, TheModelStandsInForOthers) {
   }
   const std::vector<float> at = Uncertainty(model, {}, {}).At(WideCamera());
   EXPECT_EQ(at, Uncertainty(model, {}, {}).At(WideCamera())) << "always the same";
-  EXPECT_EQ(AtPixel(at, 16, 2), 0) << "nothing is there";
-  EXPECT_GT(*std::max_element(at.begin(), at.end()), 0.3f) << "a ball that is left out changes the picture";
+  EXPECT_EQ(AtPixel(at, 16, 2), kNoise) << "nothing is there";
+  EXPECT_GT(*std::max_element(at.begin(), at.end()), 0.2f) << "a ball that is left out changes the picture";
 }
 
 }  // namespace

@@ -107,6 +107,23 @@ TEST_F(ConsistencyTest, KeepsTheFirstSourceWhenAnotherIsCalibrated) {
   EXPECT_GT(*std::min_element(sure.begin(), sure.end()), 0.95f);  // this source was never wrong
 }
 
+TEST_F(ConsistencyTest, AnotherExposureIsNoError) {
+  const Warper warper({views, maps});
+  const ConsistencyOracle oracle(FeatureSource(warper), views);
+  Query darker = held_out[0];
+  for (float& color : darker.proposal.rgb.data) color *= 0.85f;
+  const auto as_it_is = oracle.Sample({held_out[0]}, 96 * 72), scaled = oracle.Sample({darker}, 96 * 72);
+  const std::vector<float>&expected = as_it_is[0].second.errors, &errors = scaled[0].second.errors;
+  ASSERT_EQ(errors.size(), expected.size());
+  for (size_t i = 0; i < errors.size(); ++i) {
+    if (expected[i] == 0) {
+      ASSERT_LT(errors[i], 0.01f) << i;
+    } else if (expected[i] > 0.2f) {
+      ASSERT_GT(errors[i], 0.1f) << "what is invented stays an error";
+    }
+  }
+}
+
 TEST_F(ConsistencyTest, LearnsFromSamplesAsFromProposals) {
   const Warper warper({views, maps});
   ConsistencyOracle at_once(FeatureSource(warper), views), in_parts(FeatureSource(warper), views);

@@ -14,7 +14,7 @@ inline constexpr float kLargeBlockError = 0.05f;  ///< RMS error above which a b
 /// Error and confidence of one image's pixels, row by row.
 struct ErrorMap {
   int width = 0, height = 0;
-  std::vector<float> error;       ///< |proposal - truth| in [0, 1] colors, mean over channels
+  std::vector<float> error;       ///< ColorError (image/color_error.h)
   std::vector<float> confidence;  ///< [0, 1]
   std::vector<bool> counts;       ///< false = masked out
 };

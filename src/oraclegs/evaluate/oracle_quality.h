@@ -40,8 +40,8 @@ struct OracleQuality {
   /// neighbor of nearer mean confidence. False for a single bin, which shows nothing.
   bool monotone = false;
 
-  /// Measures the quality. error: >= 0, |proposal - truth| in [0, 1] colors, mean over channels; confidence in [0, 1];
-  /// one number per pixel of all proposals together. Throws ShapeError when they are not of one length, empty or out of
+  /// Measures the quality. error: >= 0, ColorError (image/color_error.h) of the proposal; confidence in [0, 1]; one
+  /// number per pixel of all proposals together. Throws ShapeError when they are not of one length, empty or out of
   /// range.
   static OracleQuality FromPixels(const std::vector<float>& error, const std::vector<float>& confidence);
 };

@@ -9,6 +9,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/evaluate/evaluate.h"
 #include "oraclegs/evaluate/metrics.h"
+#include "oraclegs/image/color_error.h"
 #include "oraclegs/image/similarity.h"
 #include "oraclegs/render/render.h"
 
@@ -37,7 +38,7 @@ struct TrustPixels {
 
   std::optional<OracleQuality> QualityOf(std::vector<float> uncertainty) const {
     if (error.empty() || uncertainty.empty()) return std::nullopt;
-    for (float& value : uncertainty) value = Similarity(value);
+    for (float& value : uncertainty) value = ExpectedSimilarity(value);
     return OracleQuality::FromPixels(error, uncertainty);
   }
 };
@@ -94,9 +95,7 @@ TrustQuality MeasureTrust(const Gaussians& gaussians, const GaussianMarks& marks
     const std::vector<float> of_models = models != nullptr ? models->At(view.camera) : std::vector<float>();
     for (int64_t p = 0; p < alpha.count(); p += step) {
       if (alpha[p] < kDrawn || (!view.mask.empty() && view.mask[static_cast<size_t>(p)] == 0)) continue;
-      float error = 0;
-      for (int64_t c = 3 * p; c < 3 * p + 3; ++c) error += std::abs(image[c] - truth[c]) / 3;
-      all.error.push_back(error);
+      all.error.push_back(ColorError(image.data() + 3 * p, truth.data() + 3 * p));
       all.support.push_back(std::clamp(said[3 * p], 0.f, 1.f));
       all.of_gaussians.push_back(std::clamp(said[3 * p + 1] / alpha[p], 0.f, 1.f));
       if (!of_models.empty()) all.of_models.push_back(of_models[static_cast<size_t>(p)]);

@@ -20,7 +20,7 @@ namespace oraclegs {
 struct SupportQuality {
   struct Class {
     double share = 0;       ///< fraction of the pixels
-    double mean_error = 0;  ///< |render - truth|, mean over the channels; NaN without pixels
+    double mean_error = 0;  ///< ColorError (image/color_error.h); NaN without pixels
   };
   std::array<Class, kSupportClasses> classes;  ///< by SupportClass
   int64_t pixels = 0;
@@ -34,7 +34,7 @@ struct SupportQuality {
 nlohmann::json ToJson(const SupportQuality& quality);
 
 /// Qualities of what is known of a model; nothing for what is not known. The confidence that belongs to an uncertainty
-/// is the Similarity (image/similarity.h) of an error as large as expected.
+/// is its ExpectedSimilarity (image/similarity.h).
 struct TrustQuality {
   std::optional<SupportQuality> support;
   std::optional<OracleQuality> of_gaussians;  ///< quality of the mark

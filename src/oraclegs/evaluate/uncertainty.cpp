@@ -11,30 +11,31 @@
 namespace oraclegs {
 namespace {
 
-// The error of a pixel over the deviation of the models there. It was 2.9 to 4.5 in five runs of three scenes: what
-// is common to all models, as the photos' noise, does not make them differ.
-constexpr float kErrorOfDeviation = 3.3f;
+// The error to expect of a pixel: that of the photos' noise, which no model shows, and a multiple of the deviation of
+// the models.
+constexpr float kNoise = 0.007f, kErrorOfDeviation = 2.4f;
+// Models differ less where photos and proposals taught them than at other places, by this in the median of three.
+constexpr float kOfUnseen = 1.35f;
 constexpr int kReach = 2;         // px, of the window of 5 x 5 that a deviation is the mean of
 constexpr int kStandIns = 2;      // for other models
 constexpr double kLeftOut = 0.3;  // share of the Gaussians of a stand-in
 constexpr double kUnseenQuantile = 0.98;
 
-/// Standard deviation of the images at each pixel, mean over the channels.
+/// Standard deviation of the images at each pixel, root mean square over the channels.
 std::vector<float> Deviations(const std::vector<Buffer<float>>& images) {
   std::vector<float> deviations(static_cast<size_t>(images.front().count() / 3));
   const auto count = static_cast<float>(images.size());
   for (size_t p = 0; p < deviations.size(); ++p) {
-    float sum = 0;
+    float squares = 0;
     for (size_t c = 3 * p; c < 3 * p + 3; ++c) {
-      float mean = 0, square = 0;
+      float mean = 0;
       for (const Buffer<float>& image : images) mean += image[static_cast<int64_t>(c)] / count;
       for (const Buffer<float>& image : images) {
         const float off = image[static_cast<int64_t>(c)] - mean;
-        square += off * off / count;
+        squares += off * off / count;
       }
-      sum += std::sqrt(square) / 3;
     }
-    deviations[p] = sum;
+    deviations[p] = std::sqrt(squares / 3);
   }
   return deviations;
 }
@@ -88,7 +89,7 @@ std::vector<float> Uncertainty::At(const Camera& camera) {
     for (float& value : images.back().span()) value = std::clamp(value, 0.f, 1.f);
   }
   std::vector<float> expected = Smoothed(Deviations(images), camera.width, camera.height);
-  for (float& value : expected) value = std::min(1.f, kErrorOfDeviation * value);
+  for (float& value : expected) value = std::min(1.f, kNoise + kErrorOfDeviation * value);
   return expected;
 }
 
@@ -98,7 +99,8 @@ std::vector<float> Uncertainty::OfGaussians(const std::vector<Camera>& views) {
   BlendedSums blended(model_, options_);
   for (const Camera& view : views) {
     ThrowIfInterrupted();
-    const std::vector<float> expected = At(view);
+    std::vector<float> expected = At(view);
+    for (float& value : expected) value = std::min(1.f, kNoise + kOfUnseen * (value - kNoise));
     Buffer<float> numbers = Buffer<float>::Zeros({view.height, view.width, 3});
     for (size_t p = 0; p < expected.size(); ++p) {
       numbers[static_cast<int64_t>(3 * p)] = expected[p];

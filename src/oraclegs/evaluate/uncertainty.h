@@ -11,7 +11,7 @@
 
 namespace oraclegs {
 
-/// Error, mean over the channels in [0, 1], that has the last color of images of errors; larger ones have it, too.
+/// Error in [0, 1] that has the last color of images of errors; larger ones have it, too.
 inline constexpr float kLargestShownError = 0.3f;
 
 /// The error to expect of a model's renders, from how far the renders of several models differ: it and those that
@@ -23,7 +23,7 @@ class Uncertainty {
   /// background and the antialiasing of `options` hold for all.
   Uncertainty(const Gaussians& model, std::vector<Gaussians> others, const RenderOptions& options);
 
-  /// The expected |render - truth| of each pixel, mean over the channels, row by row.
+  /// The expected ColorError (image/color_error.h) of each pixel in [0, 1], row by row.
   std::vector<float> At(const Camera& camera);
 
   /// The expected error of each Gaussian, [N] in [0, 1]: the mean over the pixels of the views that

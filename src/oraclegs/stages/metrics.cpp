@@ -9,7 +9,10 @@
 #include "oraclegs/core/text.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/evaluate/block_quality.h"
+#include "oraclegs/evaluate/evaluate.h"
+#include "oraclegs/evaluate/metrics.h"
 #include "oraclegs/evaluate/oracle_quality.h"
+#include "oraclegs/image/color_error.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/scene/loaded_view.h"
@@ -46,7 +49,8 @@ struct MeasuredProposals {
   double psnr = 0;  ///< sum over the views
   int views = 0;
 
-  /// Compares the proposal at a view's pose with its image. Throws InputError for files of another size.
+  /// Compares the proposal at a view's pose with its image; another exposure is no error. Throws InputError for files
+  /// of another size.
   void Add(const Run& run, int v) {
     const std::string name = FileName(run.scene.views[static_cast<size_t>(v)].name) + ".png";
     const auto image = run.workspace.proposals() / name, map = run.workspace.confidence() / name;
@@ -55,15 +59,16 @@ struct MeasuredProposals {
     if (proposal.data.size() != truth.rgb.data.size() || trust.data.size() != truth.rgb.data.size()) {
       throw InputError("{}: is not of its view's size; delete it and run `oraclegs validate` again", image.string());
     }
+    const Buffer<float> target = ToBuffer(truth.rgb);
+    const Buffer<float> corrected = ColorCorrected(ToBuffer(proposal), target, MaskOf(truth));
     ErrorMap of_view{truth.rgb.width, truth.rgb.height, {}, {}, {}};
     double squares = 0;
     size_t counted = 0;
     for (size_t i = 0; i < truth.rgb.data.size() / 3; ++i) {
-      float error = 0;
+      const float error = ColorError(corrected.data() + 3 * i, target.data() + 3 * i);
       double of_pixel = 0;
       for (size_t c = 3 * i; c < 3 * i + 3; ++c) {
         const float d = proposal.data[c] - truth.rgb.data[c];
-        error += std::abs(d) / 3;
         of_pixel += static_cast<double>(d) * static_cast<double>(d);
       }
       of_view.error.push_back(error);

@@ -7,23 +7,46 @@
 #include <utility>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/image/color_error.h"
 
 namespace oraclegs {
 namespace {
 
 constexpr size_t kMaxSamples = 36000;  // samples of one source, over all held-out views
-
-float ColorError(const float* a, const float* b) {
-  float squares = 0;
-  for (int c = 0; c < 3; ++c) squares += (a[c] - b[c]) * (a[c] - b[c]);
-  return std::sqrt(squares / 3);
-}
+constexpr float kAlike = 0.1f;         // error of a pixel that says how much brighter a proposal is
 
 /// Held-out view, and the exposure gain that is removed from its colors.
 struct Truth {
   const LoadedView& view;
   Eigen::Vector3f gain;
 };
+
+/// Pixel `i` of the truth in the mean exposure, which proposals have.
+std::array<float, 3> TrueColor(const Truth& truth, size_t i) {
+  std::array<float, 3> color;
+  for (size_t c = 0; c < 3; ++c) {
+    color[c] = std::min(1.f, truth.view.rgb.data[3 * i + c] / truth.gain[static_cast<Eigen::Index>(c)]);
+  }
+  return color;
+}
+
+/// The truth with the mean gain that the proposal still has over it, where the two are alike: exposure is no error.
+Truth Aligned(Truth truth, const ImageF& proposal) {
+  Eigen::Vector3d shown(0, 0, 0), expected(0, 0, 0);
+  for (size_t i = 0; i < truth.view.rgb.data.size() / 3; ++i) {
+    if (!truth.view.mask.empty() && truth.view.mask[i] == 0) continue;
+    const std::array<float, 3> color = TrueColor(truth, i);
+    if (ColorError(&proposal.data[3 * i], color.data()) > kAlike) continue;
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      shown[c] += static_cast<double>(proposal.data[3 * i + static_cast<size_t>(c)]);
+      expected[c] += static_cast<double>(color[static_cast<size_t>(c)]);
+    }
+  }
+  for (Eigen::Index c = 0; c < 3; ++c) {
+    if (shown[c] > 0 && expected[c] > 0) truth.gain[c] *= static_cast<float>(expected[c] / shown[c]);
+  }
+  return truth;
+}
 
 /// Samples of at most so many evenly spaced, unmasked pixels of the view, in the mean exposure, which proposals have.
 PixelSamples SamplesOf(const Proposal& proposal, const PixelRows& rows, const Truth& truth, size_t limit) {
@@ -37,10 +60,7 @@ PixelSamples SamplesOf(const Proposal& proposal, const PixelRows& rows, const Tr
     if (!truth.view.mask.empty() && truth.view.mask[i] == 0) continue;
     const float* row = rows.Row(i, &space);
     samples.rows.insert(samples.rows.end(), row, row + samples.columns);
-    const float* shown = &truth.view.rgb.data[3 * i];
-    const std::array<float, 3> color = {std::min(1.f, shown[0] / truth.gain[0]),
-                                        std::min(1.f, shown[1] / truth.gain[1]),
-                                        std::min(1.f, shown[2] / truth.gain[2])};
+    const std::array<float, 3> color = TrueColor(truth, i);
     samples.errors.push_back(ColorError(&proposal.rgb.data[3 * i], color.data()));
   }
   return samples;
@@ -103,7 +123,8 @@ std::vector<std::pair<std::string, PixelSamples>> ConsistencyOracle::Sample(
   features_.ForEach(held_out, second, [&](size_t q, const PixelRows& rows) {
     const auto view = static_cast<size_t>(*held_out[q].held_out);
     samples[q].second =
-        SamplesOf(held_out[q].proposal, rows, {views_[view], features_.warper().Gain(view)}, limit(held_out[q]));
+        SamplesOf(held_out[q].proposal, rows,
+                  Aligned({views_[view], features_.warper().Gain(view)}, held_out[q].proposal.rgb), limit(held_out[q]));
   });
   return samples;
 }
