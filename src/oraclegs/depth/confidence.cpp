@@ -17,6 +17,7 @@ constexpr float kMaxAngle = 75;                               // degrees between
 constexpr float kMeasuringAngle = 4, kMinAngleWeight = 0.25;  // degrees below which agreement has less weight
 constexpr float kPixelSigma = 0.8f, kDepthSigma = 0.01f;      // of a round trip
 constexpr float kSupportRate = 1.1f;
+constexpr float kNoAgreement = 1e-4f;                      // changes nothing
 constexpr float kUnrelatedCost = 1.15f, kCostSpan = 0.5f;  // a cost of 1 is no similarity at all
 constexpr float kSeenThrough = -0.05f;                     // relative depth below which a view looks through the point
 constexpr float kSeenThroughCost = 0.5f;                   // of the view that does so, at most
@@ -107,35 +108,48 @@ struct Witness {
   PlainPixelMap there, back;
   PlanesOfMap planes;
   Eigen::Vector3f center;  ///< in the frame of the view whose depth it is
-  bool with, without;      ///< whether it counts with the hidden views, without them
 };
 
-std::vector<Witness> WitnessesOf(const std::vector<DepthMap>& maps, size_t view, const std::vector<int>& hidden) {
+/// Summed agreement of witnesses with a pixel's point.
+float AgreementOf(const std::vector<Witness>& witnesses, const Eigen::Vector3f& uvw, const Eigen::Vector3f& point) {
+  float sum = 0;
+  for (const Witness& witness : witnesses) {
+    const RoundTrip trip = GoAndReturn(witness.there, witness.back, witness.planes, {uvw.x(), uvw.y(), uvw.z()});
+    if (!trip.seen) continue;
+    const float angle = AngleBetween(point, point - witness.center);
+    if (angle <= kMaxAngle) sum += Agreement(trip, angle);
+  }
+  return sum;
+}
+
+/// Witnesses of a view's depth, once with the hidden views and once without them.
+struct Witnesses {
+  std::vector<Witness> leaving, staying, coming;
+};
+
+Witnesses WitnessesOf(const std::vector<DepthMap>& maps, size_t view, const std::vector<int>& hidden) {
   NearestSources rest;
   for (size_t v = 0; v < maps.size(); ++v) {
-    const bool is_there =
-        maps[v].size() > 0 && std::find(hidden.begin(), hidden.end(), static_cast<int>(v)) == hidden.end();
-    if (is_there) {
-      rest.Add(maps[v].camera, [&map = maps[v]](size_t i) { return map.inv_depth[i]; });
-    } else {
+    if (maps[v].size() == 0 || std::find(hidden.begin(), hidden.end(), static_cast<int>(v)) != hidden.end()) {
       rest.AddNone();
+    } else {
+      rest.Add(maps[v].camera, [&map = maps[v]](size_t i) { return map.inv_depth[i]; });
     }
   }
   const Camera& camera = maps[view].camera;
   const std::vector<size_t> with = NearestSources(maps).For(camera, kMaxWitnesses, view),
                             without = rest.For(camera, kMaxWitnesses, view);
-  std::vector<Witness> witnesses;
+  Witnesses witnesses;
   for (size_t v = 0; v < maps.size(); ++v) {
-    const bool is_with = std::binary_search(with.begin(), with.end(), v);
-    const bool is_without = std::binary_search(without.begin(), without.end(), v);
-    if (!is_with && !is_without) continue;
+    const bool was = std::binary_search(with.begin(), with.end(), v);
+    const bool is = std::binary_search(without.begin(), without.end(), v);
+    if (!was && !is) continue;
     const Camera& other = maps[v].camera;
-    witnesses.push_back({Plain(MapBetween(camera, other)),
-                         Plain(MapBetween(other, camera)),
-                         {maps[v], other.width, other.height},
-                         (camera.cam_from_world * other.Center()).cast<float>(),
-                         is_with,
-                         is_without});
+    std::vector<Witness>& list = was && is ? witnesses.staying : was ? witnesses.leaving : witnesses.coming;
+    list.push_back({Plain(MapBetween(camera, other)),
+                    Plain(MapBetween(other, camera)),
+                    {maps[v], other.width, other.height},
+                    (camera.cam_from_world * other.Center()).cast<float>()});
   }
   return witnesses;
 }
@@ -211,26 +225,16 @@ std::vector<float> Confidence(const StereoScene& scene, size_t view, const std::
 std::vector<float> ConfidenceWithout(const std::vector<DepthMap>& maps, size_t view, const std::vector<int>& hidden) {
   const DepthMap& map = maps[view];
   std::vector<float> confidence = map.confidence;
-  const std::vector<Witness> witnesses = WitnessesOf(maps, view, hidden);
-  if (std::all_of(witnesses.begin(), witnesses.end(), [](const Witness& w) { return w.with == w.without; })) {
-    return confidence;
-  }
+  const Witnesses witnesses = WitnessesOf(maps, view, hidden);
   ParallelFor(map.camera.height, [&](int64_t y) {
     for (int x = 0; x < map.camera.width; ++x) {
       const size_t i = static_cast<size_t>(y) * static_cast<size_t>(map.camera.width) + static_cast<size_t>(x);
       if (!(confidence[i] > 0)) continue;
       const Eigen::Vector3f uvw = PixelOf(map, i), point = RayOf(map.camera, uvw.x(), uvw.y()) / uvw.z();
-      float with = 0, without = 0;
-      for (const Witness& witness : witnesses) {
-        const RoundTrip trip = GoAndReturn(witness.there, witness.back, witness.planes, {uvw.x(), uvw.y(), uvw.z()});
-        if (!trip.seen) continue;
-        const float angle = AngleBetween(point, point - witness.center);
-        if (angle > kMaxAngle) continue;
-        const float agreement = Agreement(trip, angle);
-        with += witness.with ? agreement : 0;
-        without += witness.without ? agreement : 0;
-      }
-      if (without < with && Believed(with) > 0) confidence[i] *= Believed(without) / Believed(with);
+      const float gone = AgreementOf(witnesses.leaving, uvw, point);
+      if (gone < kNoAgreement) continue;
+      const float stays = AgreementOf(witnesses.staying, uvw, point), comes = AgreementOf(witnesses.coming, uvw, point);
+      if (comes < gone) confidence[i] *= Believed(stays + comes) / Believed(stays + gone);
     }
   });
   return confidence;
