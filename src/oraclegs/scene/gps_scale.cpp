@@ -91,7 +91,7 @@ std::optional<Eigen::Vector3d> UpByGps(const Scene& scene) {
   const auto count = static_cast<double>(n);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(Eigen::Matrix3d(to * to.transpose()),
                                                               Eigen::EigenvaluesOnly);
-  const Eigen::Vector3d axes = spread.eigenvalues();  // squared lengths, ascending
+  const Eigen::Vector3d& axes = spread.eigenvalues();  // squared lengths, ascending
   if (!(axes.sum() >= count * kMinSpread * kMinSpread) || axes[1] < kMinWidth * kMinWidth * axes[2])
     return std::nullopt;
   const Eigen::Matrix4d fit = Eigen::umeyama(from, to);
