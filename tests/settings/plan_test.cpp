@@ -211,5 +211,15 @@ TEST(MakePlan, RefusesNetworksWithoutTheLibrary) {
   EXPECT_THAT(refusal(lpips), HasSubstr("--lpips required needs networks"));
 }
 
+TEST(TakeSize, LeavesOutProposalsThatTheSizeDoesWithout) {
+  Plan plan = MakePlan({}, true);
+  ASSERT_TRUE(plan.proposes);
+  RunOptions settled;
+  settled.propose.proposers = std::string("none");
+  TakeSize(settled, &plan);
+  EXPECT_FALSE(plan.proposes);
+  EXPECT_FALSE(plan.has_proposals);
+}
+
 }  // namespace
 }  // namespace oraclegs

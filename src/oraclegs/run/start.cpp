@@ -306,10 +306,7 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
     settled = settle();
     workspace.SaveSize(SizeToJson(*settled));
   }
-  plan.image = settled->image.Settled();
-  // A draft of many photos proposes nothing, which only the size has said.
-  plan.proposes = ProposesViews(*settled);
-  plan.has_proposals = HasProposals(*settled);
+  TakeSize(*settled, &plan);
   Run run{*settled, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
   run.workspace.DropDamagedRecords(listener);
   run.stages = &Stages(), run.proposer_rows = &ProposerRows();

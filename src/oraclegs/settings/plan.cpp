@@ -154,4 +154,10 @@ Plan MakePlanToEvaluate(const RunOptions& options) {
   return plan;
 }
 
+void TakeSize(const RunOptions& settled, Plan* plan) {
+  plan->image = settled.image.Settled();
+  plan->proposes = ProposesViews(settled);
+  plan->has_proposals = HasProposals(settled);
+}
+
 }  // namespace oraclegs

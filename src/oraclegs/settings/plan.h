@@ -76,4 +76,8 @@ Plan MakePlan(const RunOptions& options, bool has_poses);
 /// Plan for a finished run that is only evaluated or rendered: device and LPIPS, no other network.
 Plan MakePlanToEvaluate(const RunOptions& options);
 
+/// Takes into the plan what the size of the run has settled (run_size.h): the images, and that a draft of many photos
+/// proposes nothing.
+void TakeSize(const RunOptions& settled, Plan* plan);
+
 }  // namespace oraclegs
