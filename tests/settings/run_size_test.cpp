@@ -45,6 +45,10 @@ TEST(WithSize, GrowsWithQuality) {
 TEST(WithSize, WarpsViewsForADraftOfFewPhotosAlone) {
   EXPECT_EQ(WithSize(On(Quality::kDraft), kPhones, {false}).propose.proposers, std::string("none"));
   EXPECT_EQ(WithSize(On(Quality::kDraft), {5, {4000, 3000}}, {false}).propose.proposers, std::string("warp"));
+  RunOptions with_generator = On(Quality::kDraft);
+  with_generator.propose.generator = "paint {request} {answer}";
+  const RunOptions settled = WithSize(with_generator, kPhones, {false});
+  EXPECT_TRUE(settled.propose.Uses("command")) << "a generator that is asked for is asked";
 }
 
 TEST(WithSize, TrainsSmallImagesForLonger) {

@@ -206,7 +206,7 @@ TEST_F(OracleReportTest, MeasuresProposalsAgainstSpareViews) {
   const nlohmann::json report = ReportOracle(run);
   EXPECT_EQ(report.at("views"), 1);
   EXPECT_EQ(report.at("oracle").at("pixels"), 80 * 60);
-  // The color correction spreads a little of the row's error over the others, in an order that nothing tells.
+  // The color correction spreads a little of the row's error over the others, in no order that the confidence knows.
   EXPECT_LT(report.at("oracle").at("ause_ratio").get<double>(), 0.6);
   EXPECT_EQ(report.at("oracle").at("auroc_large_error"), 1);
   // 7 rows of 10 blocks, and 4 rows of pixels that are half a block; the top ones have an RMS error of .5 / sqrt(8).

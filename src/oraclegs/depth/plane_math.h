@@ -45,12 +45,12 @@ struct KnownPlanes {
 };
 
 /// Round trip of the pixel (u, v) with inverse depth w: mapped to another view, and back with the depth known there.
-/// `Planes` is KnownPlanes, or finds the plane of a pixel in another way.
 struct RoundTrip {
   bool seen = false;         ///< whether it falls into the other image, where depth is known
   float pixels = 0;          ///< distance from the start, pixels
   float relative_depth = 0;  ///< depth there, of the point over that of the known surface, minus 1; > 0 = occluded
 };
+/// Makes the round trip. `Planes` is KnownPlanes, or finds the plane of a pixel in another way.
 template <class Planes>
 ORACLEGS_HD inline RoundTrip GoAndReturn(const PlainPixelMap& there, const PlainPixelMap& back, const Planes& other,
                                          const Vec3f& uvw) {

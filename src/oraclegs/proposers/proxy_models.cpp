@@ -75,8 +75,7 @@ Geometry Unseen(const Geometry& all, const std::vector<int>& held_out) {
 }
 
 /// Geometry of the views that are not held out.
-Geometry GeometryWithout(const Geometry& unseen, const std::vector<LoadedView>& shown,
-                         const std::vector<int>& held_out) {
+Geometry GeometryWithout(Geometry unseen, const std::vector<LoadedView>& shown, const std::vector<int>& held_out) {
   Geometry rest;
   rest.maps = Without(unseen.maps, held_out);
   rest.gains = Without(unseen.gains, held_out);
@@ -103,11 +102,11 @@ class ProxyTrainer {
   /// Trains model `number` and writes its files; false, with a warning, where too little is left of the views.
   bool Train(int number, const std::vector<int>& held_out, const std::vector<fs::path>& files,
              const Listener& listener) const {
-    const Geometry unseen = Unseen(geometry_, held_out);
+    Geometry unseen = Unseen(geometry_, held_out);
     const std::vector<TrainView> kept =
         Without(MakeTrainViews(training_, unseen, run_.options.train.depth_loss), held_out);
     const std::vector<LoadedView> shown = Without(training_.views, held_out);
-    const Geometry rest = GeometryWithout(unseen, shown, held_out);
+    const Geometry rest = GeometryWithout(std::move(unseen), shown, held_out);
     if (kept.size() < kMinViewsOfProxy || rest.points.size() < kMinPointsForStart) {
       run_.listener(Warning{fmt::format(
           "no proxy models for --proposers proxies: one would have {} views and {} dense points, and needs {} and {}; "

@@ -110,7 +110,8 @@ RunOptions WithSize(RunOptions options, const SceneSize& scene, const TrainingMa
     options.stereo.geometric_passes = is_draft ? kDraftStereoPasses : StereoOptions().geometric_passes;
   if (options.propose.proposers.is_auto()) {
     // From more photos, warps take a fifth of a draft's time, and on the mean of scenes teach it nothing.
-    const char* of_draft = scene.views < kLeastPhotosAlone ? kWarpWord : kNoneWord;
+    const bool does_without = scene.views >= kLeastPhotosAlone && options.propose.generator.empty();
+    const char* of_draft = does_without ? kNoneWord : kWarpWord;
     options.propose.proposers = std::string(is_draft ? of_draft : kProxiesWord);
   }
   if (machine.is_gpu && machine.free_bytes > 0) FitToGpu(machine.free_bytes, scene, asked, &options);
