@@ -65,5 +65,20 @@ TEST(ConfidentShare, IncludesThreshold) {
   EXPECT_EQ(ConfidentShare(map), 0.5);
 }
 
+TEST(RelativeSlope, ContinuesThePlane) {
+  DepthMap map = TrueMap(kLeft);
+  const Eigen::Vector3f normal = (kLeft.cam_from_world.linear() * kWall.normal).cast<float>();
+  map.normals.assign(map.size(), normal);
+  const auto width = static_cast<size_t>(kLeft.width), middle = 60 * width + 80;
+  const auto slope = RelativeSlope(map, middle);
+  ASSERT_TRUE(slope);
+  const float w = map.inv_depth[middle];
+  EXPECT_NEAR(w * (1 + slope->x()), map.inv_depth[middle + 1], 1e-5f);
+  EXPECT_NEAR(w * (1 + slope->y()), map.inv_depth[middle + width], 1e-5f);
+  EXPECT_GT(slope->norm(), 1e-4f);
+  map.normals[middle] = -normal;
+  EXPECT_FALSE(RelativeSlope(map, middle));
+}
+
 }  // namespace
 }  // namespace oraclegs

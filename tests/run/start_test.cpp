@@ -112,6 +112,17 @@ TEST_F(RunTest, SettlesTheSizeAnewForOtherOptions) {
   EXPECT_LT(StartRun(request, Silent()).options.train.iterations.value(), high);
 }
 
+TEST_F(RunTest, ADraftOfMoreThanFivePhotosPlansNoProposals) {
+  request.options.quality.quality = Quality::kDraft;
+  request.options.propose.proposers = {};
+  EXPECT_TRUE(StartRun(request, Silent()).plan.proposes) << "four photos leave something open";
+  request.options.split.test_every = {};
+  const auto run = StartRun(request, Silent());
+  EXPECT_EQ(run.split.train.size(), 6u);
+  EXPECT_FALSE(run.plan.proposes);
+  EXPECT_FALSE(run.plan.has_proposals);
+}
+
 TEST_F(RunTest, RefusesInputsInTheWorkspace) {
   request.scene.clear();
   for (const auto& input : {temp / "out" / "photos", temp / "out"}) {

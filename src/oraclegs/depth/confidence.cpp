@@ -93,13 +93,8 @@ struct PlanesOfMap {
   Plane At(int x, int y) const {
     const size_t i = static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
     const float w = map.inv_depth[i];
-    const Eigen::Vector3f ray = RayOf(map.camera, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
-    const Eigen::Vector3f& normal = map.normals[i];
-    // 1/z is n'(ray) / n'X along the plane's rays, linear over the image.
-    const float facing = normal.dot(ray);
-    if (!(facing < 0)) return {w, 0, 0};
-    return {w, w * normal.x() / (facing * static_cast<float>(map.camera.fx)),
-            w * normal.y() / (facing * static_cast<float>(map.camera.fy))};
+    const Eigen::Vector2f slope = RelativeSlope(map, i).value_or(Eigen::Vector2f::Zero());
+    return {w, w * slope.x(), w * slope.y()};
   }
 };
 

@@ -32,4 +32,14 @@ Eigen::Vector3f PixelOf(const DepthMap& map, size_t index) {
   return {static_cast<float>(index % width) + 0.5f, static_cast<float>(index / width) + 0.5f, map.inv_depth[index]};
 }
 
+std::optional<Eigen::Vector2f> RelativeSlope(const DepthMap& map, size_t index) {
+  const Eigen::Vector3f uvw = PixelOf(map, index);
+  const Eigen::Vector3f& normal = map.normals[index];
+  // 1/z is n'(ray) / n'X along the plane's rays, linear over the image.
+  const float facing = normal.dot(RayOf(map.camera, uvw.x(), uvw.y()));
+  if (!(facing < 0)) return std::nullopt;
+  return Eigen::Vector2f(normal.x() / (facing * static_cast<float>(map.camera.fx)),
+                         normal.y() / (facing * static_cast<float>(map.camera.fy)));
+}
+
 }  // namespace oraclegs

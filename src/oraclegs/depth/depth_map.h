@@ -46,4 +46,8 @@ std::optional<size_t> FindPixel(const DepthMap& other, const PixelMap& there, co
 /// (u, v, inverse depth) of a pixel, at its center.
 Eigen::Vector3f PixelOf(const DepthMap& map, size_t index);
 
+/// Relative change of the inverse depth per pixel to the right and downward on the plane through a pixel; nullopt where
+/// the plane does not face the camera.
+std::optional<Eigen::Vector2f> RelativeSlope(const DepthMap& map, size_t index);
+
 }  // namespace oraclegs

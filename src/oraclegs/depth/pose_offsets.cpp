@@ -112,17 +112,11 @@ std::vector<OffsetPixel> OffsetMeter::Choose(size_t most) const {
       for (int x = kSearchRadius; x < map.camera.width - kSearchRadius; x += kChoiceStep) {
         const size_t i = static_cast<size_t>(y) * map.camera.width + x;
         if (map.confidence[i] < kConfident) continue;
-        const Eigen::Vector3f uvw = PixelOf(map, i), ray = RayOf(map.camera, uvw.x(), uvw.y());
-        const Eigen::Vector3f& normal = map.normals[i];
-        // 1/z is n'(ray) / n'X along the plane's rays, linear over the image.
-        const float facing = normal.dot(ray);
-        if (!(facing < 0)) continue;
-        const OffsetPixel pixel{static_cast<int>(v),
-                                uvw.x(),
-                                uvw.y(),
-                                static_cast<double>(uvw.z()),
-                                normal.x() / (facing * static_cast<float>(map.camera.fx)),
-                                normal.y() / (facing * static_cast<float>(map.camera.fy))};
+        const Eigen::Vector3f uvw = PixelOf(map, i);
+        const std::optional<Eigen::Vector2f> slope = RelativeSlope(map, i);
+        if (!slope) continue;
+        const OffsetPixel pixel{static_cast<int>(v),          uvw.x(),    uvw.y(),
+                                static_cast<double>(uvw.z()), slope->x(), slope->y()};
         const SearchPatch patch = SearchPatchAt(pyramids_[v].front(), map, pixel, {1, 1});
         if (patch.IsSurface() && patch.HasTexture()) candidates.push_back(pixel);
       }
