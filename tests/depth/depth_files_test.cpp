@@ -89,10 +89,10 @@ TEST_F(DepthFilesTest, WriteListedFiles) {
   const TempDir dir;
   const std::vector<std::string> files = WriteDepthMaps(dir.path(), {MapNamed("a/b.jpg"), MapNamed("c.png")});
   EXPECT_THAT(files, testing::UnorderedElementsAre("a_b.png", "confidence/a_b.png", "normals/a_b.png",
-                                                   "preview/a_b.png", "c.png", "confidence/c.png", "normals/c.png",
-                                                   "preview/c.png", "depth_params.json"));
+                                                   "preview/a_b.jpg", "c.png", "confidence/c.png", "normals/c.png",
+                                                   "preview/c.jpg", "depth_params.json"));
   for (const std::string& file : files) EXPECT_TRUE(fs::is_regular_file(dir / file)) << file;
-  const Image8 preview = ReadImage(dir / "preview/a_b.png");
+  const Image8 preview = ReadImage(dir / "preview/a_b.jpg");
   EXPECT_EQ(preview.width, 48);
   EXPECT_EQ(preview.height, 18);
 }

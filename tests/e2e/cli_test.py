@@ -397,8 +397,8 @@ class MainJob(EndToEnd):
         training = json.loads((out / "split.json").read_text())["train"]
         for name in training:
             self.assertRegex(done.stdout, rf"(?m)^{re.escape(name)} +[0-9.]+ % confident$")
-            for folder in ["", "confidence", "normals", "preview"]:
-                picture = (out / "depth" / folder / name.replace("/", "_")).with_suffix(".png")
+            for folder, end in [("", ".png"), ("confidence", ".png"), ("normals", ".png"), ("preview", ".jpg")]:
+                picture = (out / "depth" / folder / name.replace("/", "_")).with_suffix(end)
                 self.assertTrue(picture.is_file(), picture)
         self.assertEqual(len(json.loads((out / "depth/depth_params.json").read_text())), len(training))
         self.assertTrue((out / "sfm/dense.ply").read_bytes().startswith(b"ply\nformat binary_little_endian 1.0\n"))

@@ -24,8 +24,9 @@ class Propose(ManyViews):
             name = frame["file_path"].removesuffix(".png")
             self.assertNotIn(name, used)
             self.assertRegex(proposed, rf"(?m)^{name} +mean confidence [0-9.]+$")
-            for folder in ("proposals", "proposals/proxies", "confidence", "confidence/preview"):
+            for folder in ("proposals", "proposals/proxies", "confidence"):
                 self.assertTrue((out / folder / f"{name}.png").is_file(), folder)
+            self.assertTrue((out / "confidence/preview" / f"{name}.jpg").is_file())
         before = files_below(out / "proposals") | files_below(out / "confidence")
         self.run_program("reconstruct", self.scene, "-o", out, *RUN)
         self.assertEqual(files_below(out / "proposals") | files_below(out / "confidence"), before, "made once")

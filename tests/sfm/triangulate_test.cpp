@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -10,6 +11,8 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/image/codecs.h"
+#include "oraclegs/image/read_image.h"
 #include "oraclegs/sfm/colmap_runner.h"
 #include "support/event_recorder.h"
 #include "support/temp_dir.h"
@@ -78,6 +81,41 @@ TEST(TriangulatePoints, UsesTheFeaturesOfARegistration) {
   ASSERT_GT(points.size(), 100u);
   EXPECT_THAT(ReadFile(dir / "sfm" / "colmap.log"), testing::Not(HasSubstr("Feature extraction")));
   for (const ScenePoint& point : points) EXPECT_THAT(point.views, testing::Not(testing::Contains(2))) << "held out";
+}
+
+/// How often colmap looked for features, by its log.
+size_t Extractions(const fs::path& work_dir) {
+  const std::string log = ReadFile(work_dir / "colmap.log"), title = "Feature extraction";
+  size_t times = 0;
+  for (size_t at = log.find(title); at != std::string::npos; at = log.find(title, at + 1)) ++times;
+  return times;
+}
+
+TEST(TriangulatePoints, LooksInManyLargePhotosForFewFeatures) {
+  const TempDir dir;
+  const Scene scene = WriteTexturedPlanes(dir / "scene", 8, 4);
+  const auto points = TriangulatePoints(scene, {0, 1, 2, 3, 4, 5, 6, 7}, {dir / "sfm"}, Silent());
+  EXPECT_GT(points.size(), 800u);
+  EXPECT_EQ(Extractions(dir / "sfm"), 1u);
+}
+
+TEST(TriangulatePoints, LooksForMoreFeaturesWhereFewAreFound) {
+  const TempDir dir;
+  Scene scene = WriteTexturedPlanes(dir / "scene", 8);
+  for (SceneView& view : scene.views) {  // a small picture with a wide frame
+    const Image8 picture = ReadImage(view.image_path);
+    Image8 framed{4 * kPlanesWidth, kPlanesHeight, 3, {}};
+    framed.data.assign(size_t{3} * 4 * kPlanesWidth * kPlanesHeight, 128);
+    for (int y = 0; y < kPlanesHeight; ++y) {
+      std::copy_n(picture.data.begin() + int64_t{3} * y * kPlanesWidth, 3 * kPlanesWidth,
+                  framed.data.begin() + int64_t{12} * y * kPlanesWidth);
+    }
+    WritePng(view.image_path, framed);
+    view.intrinsics.width = framed.width;
+  }
+  const auto points = TriangulatePoints(scene, {0, 1, 2, 3, 4, 5, 6, 7}, {dir / "sfm"}, Silent());
+  EXPECT_GT(points.size(), 100u);
+  EXPECT_EQ(Extractions(dir / "sfm"), 2u);
 }
 
 TEST(TriangulatePoints, WarnsWithoutColmap) {

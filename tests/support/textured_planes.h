@@ -29,8 +29,10 @@ inline double PlaneNoise(double u, double v, uint32_t seed) {
   return (at(x, y) * (1 - a) + at(x + 1, y) * a) * (1 - b) + (at(x, y + 1) * (1 - a) + at(x + 1, y + 1) * a) * b;
 }
 
-/// Writes DIR/images/0.png ... and returns the posed scene.
-inline Scene WriteTexturedPlanes(const std::filesystem::path& dir, int views) {
+/// Writes DIR/images/0.png ... and returns the posed scene. `enlarged`: how many times kPlanesWidth an image is wide.
+inline Scene WriteTexturedPlanes(const std::filesystem::path& dir, int views, int enlarged = 1) {
+  const int width = kPlanesWidth * enlarged, height = kPlanesHeight * enlarged;
+  const double focal = kPlanesFocal * enlarged;
   Scene scene;
   scene.root = dir;
   scene.format = SceneFormat::kTransforms;
@@ -43,21 +45,17 @@ inline Scene WriteTexturedPlanes(const std::filesystem::path& dir, int views) {
     SceneView view;
     view.name = std::to_string(v) + ".png";
     view.image_path = dir / "images" / view.name;
-    view.intrinsics = {CameraModel::kPinhole,
-                       kPlanesWidth,
-                       kPlanesHeight,
-                       {kPlanesFocal, kPlanesFocal, kPlanesWidth / 2., kPlanesHeight / 2.}};
+    view.intrinsics = {CameraModel::kPinhole, width, height, {focal, focal, width / 2., height / 2.}};
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     pose.linear() = rotation;
     pose.translation() = -rotation * Eigen::Vector3d(camera_x, 0, 0);
     view.cam_from_world = pose;
 
-    Image8 image{kPlanesWidth, kPlanesHeight, 3, {}};
-    for (int y = 0; y < kPlanesHeight; ++y) {
-      for (int x = 0; x < kPlanesWidth; ++x) {
+    Image8 image{width, height, 3, {}};
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
         const Eigen::Vector3d ray =
-            rotation.transpose() * Eigen::Vector3d((x + .5 - kPlanesWidth / 2.) / kPlanesFocal,
-                                                   (y + .5 - kPlanesHeight / 2.) / kPlanesFocal, 1);
+            rotation.transpose() * Eigen::Vector3d((x + .5 - width / 2.) / focal, (y + .5 - height / 2.) / focal, 1);
         Eigen::Vector3d at = Eigen::Vector3d(camera_x, 0, 0) + ray * (kShelfDepth / ray.z());
         const bool shelf = std::abs(at.x()) < .7 && at.y() > -.4;
         if (!shelf) at = Eigen::Vector3d(camera_x, 0, 0) + ray * (kWallDepth / ray.z());

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
@@ -127,8 +128,9 @@ void RequireSize(const fs::path& path, int width, int height, const Camera& came
                    height, camera.width, camera.height);
 }
 
-/// Folders of a map's images.
-constexpr std::array kFolders = {"", "confidence", "normals", "preview"};
+/// Folders of a map's images, and the ends of their names.
+constexpr std::array<std::pair<const char*, const char*>, 4> kFolders = {
+    {{"", ".png"}, {"confidence", ".png"}, {"normals", ".png"}, {"preview", ".jpg"}}};
 
 void WriteImage(const fs::path& path, const DepthMap& map, float scale, size_t folder) {
   switch (folder) {
@@ -139,7 +141,7 @@ void WriteImage(const fs::path& path, const DepthMap& map, float scale, size_t f
     case 2:
       return WritePng(path, NormalImage(map));
     default:
-      return WritePng(path, Preview(map));
+      return WriteFileAtomically(path, CompressJpeg(Preview(map), kPreviewQuality));
   }
 }
 
@@ -201,8 +203,8 @@ std::vector<std::string> WriteDepthMaps(const fs::path& dir, const std::vector<D
     params[stems[v]] = {{"scale", static_cast<double>(scales[v]) / unit}, {"offset", 0}};
     if (maps[v].monocular) params[stems[v]]["monocular"] = true;
     if (maps[v].size() == 0) continue;
-    for (const char* folder : kFolders) {
-      files.push_back((fs::path(folder) / (stems[v] + ".png")).string());
+    for (const auto& [folder, end] : kFolders) {
+      files.push_back((fs::path(folder) / (stems[v] + end)).string());
       of_file.push_back(v);
     }
   }

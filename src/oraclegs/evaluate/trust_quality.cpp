@@ -16,7 +16,6 @@
 namespace oraclegs {
 namespace {
 
-constexpr float kDrawn = 0.1f;           // alpha, from which on a pixel shows the model
 constexpr int64_t kMaxPixels = 4000000;  // of all views, that are ranked: more take memory and change no digit
 
 /// The marks of the Gaussians as colors, [N,3]: support, uncertainty and 0, each 0 where it is not known.
@@ -94,7 +93,7 @@ TrustQuality MeasureTrust(const Gaussians& gaussians, const GaussianMarks& marks
     const Buffer<float> image = ColorCorrected(out.image.To(kCpu), truth, MaskOf(view));
     const std::vector<float> of_models = models != nullptr ? models->At(view.camera) : std::vector<float>();
     for (int64_t p = 0; p < alpha.count(); p += step) {
-      if (alpha[p] < kDrawn || (!view.mask.empty() && view.mask[static_cast<size_t>(p)] == 0)) continue;
+      if (alpha[p] < kDrawnAlpha || (!view.mask.empty() && view.mask[static_cast<size_t>(p)] == 0)) continue;
       all.error.push_back(ColorError(image.data() + 3 * p, truth.data() + 3 * p));
       all.support.push_back(std::clamp(said[3 * p], 0.f, 1.f));
       all.of_gaussians.push_back(std::clamp(said[3 * p + 1] / alpha[p], 0.f, 1.f));

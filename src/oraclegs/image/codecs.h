@@ -28,6 +28,8 @@ void ReadJpegSize(std::string_view bytes, const std::string& file, Orientation o
 /// The bytes of a JPEG; 1 or 3 channels; quality 1 to 100. Throws RunError.
 std::string CompressJpeg(const Image8& image, int quality);
 
+inline constexpr int kPreviewQuality = 90;  ///< of JPEGs that are there to be looked at
+
 /// True when the bytes begin like a PNG.
 bool IsPng(std::string_view bytes);
 

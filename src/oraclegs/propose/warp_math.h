@@ -167,6 +167,33 @@ struct WarpSurface {
 };
 static_assert(sizeof(WarpSurface) == sizeof(WarpSample));
 
+/// A point on a pixel's ray.
+struct RayPoint {
+  float u, v;  ///< the pixel's center
+  float inv_depth;
+};
+
+/// A view's vote for a surface whose samples have been counted, before the angle's weight: its largest weight among
+/// them, or what it subtracts as it sees through the surface.
+template <class Votes>
+ORACLEGS_HD inline float VoteOf(const WarpScene& scene, int source, const RayPoint& at, const Votes& votes) {
+  if (const float vote = votes.Of(source); vote > 0) return vote;
+  const Sighting s = See(scene, scene.sources[source], at.u, at.v, at.inv_depth);
+  return s.in_frame && s.relative < -kSeenThroughDepth ? -kAgainst * s.confidence : 0;
+}
+
+/// Whether views vote for a surface whose samples have been counted, and none against it.
+template <class Votes>
+ORACLEGS_HD inline bool IsUndisputed(const WarpScene& scene, const RayPoint& at, const Votes& votes) {
+  bool has_votes = false;
+  for (int k = 0; k < scene.count; ++k) {
+    const float vote = VoteOf(scene, k, at, votes);
+    if (vote < 0) return false;
+    has_votes = has_votes || vote > 0;
+  }
+  return has_votes;
+}
+
 /// Inverse depth of the nearest surface that has enough votes, 0 without samples. The samples must be sorted near to
 /// far, ties by source, and are overwritten. votes.Count(begin, end) takes the samples of a surface, and
 /// votes.Of(source) returns the largest weight of a source among them, in [0, 1], 0 without one.
@@ -187,15 +214,13 @@ ORACLEGS_HD inline float SurfaceAmong(const WarpScene& scene, size_t pixel, Warp
     } while (last < count && samples[last].inv_depth > end_of_surface);
     WarpSurface surface{sum / total, 0};
     votes.Count(samples + first, samples + last);
+    const bool is_only = first == 0 && last == count;
+    const RayPoint at{u, v, surface.inv_depth};
+    if (is_only && IsUndisputed(scene, at, votes)) return surface.inv_depth;
     for (int k = 0; k < scene.count; ++k) {
-      const WarpSource& from = scene.sources[k];
-      float vote = votes.Of(k);
-      if (!(vote > 0)) {
-        const Sighting s = See(scene, from, u, v, surface.inv_depth);
-        if (!s.in_frame || !(s.relative < -kSeenThroughDepth)) continue;
-        vote = -kAgainst * s.confidence;
-      }
-      surface.vote += vote * std::exp(-AngleAt(scene, from, u, v, surface.inv_depth) / kVoteAngle);
+      const float vote = VoteOf(scene, k, at, votes);
+      if (vote == 0) continue;
+      surface.vote += vote * std::exp(-AngleAt(scene, scene.sources[k], u, v, surface.inv_depth) / kVoteAngle);
     }
     best = std::max(best, surface.vote);
     samples[surfaces++] = std::bit_cast<WarpSample>(surface);

@@ -13,6 +13,7 @@
 #include "oraclegs/core/text.h"
 #include "oraclegs/scene/colmap_files.h"
 #include "oraclegs/scene/colmap_model.h"
+#include "oraclegs/scene/read_colmap.h"
 #include "oraclegs/scene/scene.h"
 #include "oraclegs/sfm/choose_pairs.h"
 #include "oraclegs/sfm/colmap_database.h"
@@ -25,6 +26,19 @@ namespace oraclegs {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Matching takes longest, and longer with each feature. Where poses are known, the points are only a hint of where
+// surfaces are: many large photos show enough of them without the features of enlarged images.
+constexpr size_t kManyViews = 8;
+constexpr int kLargeSide = 800;        // px
+constexpr size_t kEnoughPoints = 100;  // a view; where fewer are found, the usual features are looked for
+
+bool AreManyAndLarge(const Scene& scene, const std::vector<int>& views) {
+  return views.size() >= kManyViews && std::all_of(views.begin(), views.end(), [&](int v) {
+           const Intrinsics& of = scene.views[static_cast<size_t>(v)].intrinsics;
+           return std::max(of.width, of.height) >= kLargeSide;
+         });
+}
 
 /// A text model of the given poses with the ids the database has. Returns its number of images.
 size_t WriteKnownPoses(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
@@ -67,23 +81,17 @@ bool HasFeatures(const fs::path& registered, const Scene& scene, const std::vect
   return true;
 }
 
-void Triangulate(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
-                 const TriangulationFolders& folders, const Listener& listener) {
-  const fs::path& work_dir = folders.work;
-  const ColmapRunner colmap(work_dir, listener, "sfm");
-  MakeFolder(AttemptsFolder(work_dir));
-  const bool has_masks = StageImages(scene, views, plan, work_dir);
-  const bool are_known = HasFeatures(folders.registered, scene, views, plan);
-  if (are_known) {
-    CopyDatabase(folders.registered / "database.db", colmap.database());
-  } else {
-    colmap.ExtractFeatures("SIMPLE_PINHOLE", has_masks);  // the true cameras are set afterwards
-  }
+/// Gives the database's images the known poses, and writes them for TriangulateMatches.
+void TakePoses(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
+               const fs::path& work_dir, const ColmapRunner& colmap) {
   if (WriteKnownPoses(scene, views, plan, colmap, AttemptsFolder(work_dir) / "poses") < 2) {
     throw ColmapFailure{"feature_extractor", 0, "fewer than two photos could be used"};
   }
-  if (!are_known) MatchImages(colmap, {}, listener);
-  const fs::path made = AttemptsFolder(work_dir) / "model";
+}
+
+/// The model of the database's matches, in a folder that it returns.
+fs::path TriangulateMatches(const fs::path& work_dir, const ColmapRunner& colmap) {
+  fs::path made = AttemptsFolder(work_dir) / "model";
   MakeFolder(made);
   colmap.Run("point_triangulator",
              {{"image_path", colmap.images().string()},
@@ -96,6 +104,36 @@ void Triangulate(const Scene& scene, const std::vector<int>& views, const std::v
               {"Mapper.ba_refine_extra_params", "0"},
               {"Mapper.fix_existing_images", "1"}},
              "triangulating");
+  return made;
+}
+
+void Triangulate(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
+                 const TriangulationFolders& folders, const Listener& listener) {
+  const fs::path& work_dir = folders.work;
+  const ColmapRunner colmap(work_dir, listener, "sfm");
+  MakeFolder(AttemptsFolder(work_dir));
+  const bool has_masks = StageImages(scene, views, plan, work_dir);
+  const auto with_own_features = [&](const ColmapOptions& options) {
+    colmap.ExtractFeatures("SIMPLE_PINHOLE", has_masks, options);  // the true cameras are set afterwards
+    TakePoses(scene, views, plan, work_dir, colmap);
+    MatchImages(colmap, {}, listener);
+    return TriangulateMatches(work_dir, colmap);
+  };
+  fs::path made;
+  if (HasFeatures(folders.registered, scene, views, plan)) {
+    CopyDatabase(folders.registered / "database.db", colmap.database());
+    TakePoses(scene, views, plan, work_dir, colmap);
+    made = TriangulateMatches(work_dir, colmap);
+  } else if (AreManyAndLarge(scene, views)) {
+    try {
+      made = with_own_features({{"SiftExtraction.first_octave", "0"}});
+      if (ReadColmapPoints(made).size() < kEnoughPoints * views.size()) made.clear();
+    } catch (const ColmapFailure&) {  // where the program is at fault, it fails once more
+      made.clear();
+    }
+    if (made.empty()) RemoveDatabase(colmap.database());
+  }
+  if (made.empty()) made = with_own_features({});
   MoveTo(made, work_dir / "sparse" / "0");
 }
 

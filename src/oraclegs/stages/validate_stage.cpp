@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/codecs.h"
@@ -69,7 +70,8 @@ void Write(const WorkspacePaths& paths, const std::vector<Validated>& all) {
       case 1:
         return WritePng(paths.root() / files[1], Gray(validated.confidence, validated.proposal.camera));
       default:
-        return WritePng(paths.confidence() / "preview" / (name + ".png"), Preview(validated));
+        return WriteFileAtomically(paths.confidence() / "preview" / (name + ".jpg"),
+                                   CompressJpeg(Preview(validated), kPreviewQuality));
     }
   });
 }

@@ -68,35 +68,63 @@ TEST(Evenly, KeepsAtMostSoMany) {
   EXPECT_EQ(Evenly(std::vector<int>{7}, 3), std::vector<int>{7});
 }
 
-TEST_F(ReportViewsTest, AdvisesWhereLittleIsSupported) {
+/// Turned around, so that it sees nothing that the photos show.
+Eigen::Isometry3d TurnedAround(const Eigen::Isometry3d& cam_from_world) {
+  return Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY()) * cam_from_world;
+}
+
+TEST_F(ReportViewsTest, AdvisesWhereTheModelIsLeastSure) {
   RunRequest other = *request;
   other.out = *temp / "with_advice";
   const oraclegs::Run run = StartRun(other, Silent());
   const auto training = LoadViews(run.scene, run.split.train, run.plan.image, Silent());
-  GiveProposal(run, training[0].camera);
-  Model model = LoadModel(*temp / "out/point_cloud.ply", request->options, kCpu, run.frame);
+  const Model model = LoadModel(*temp / "out/point_cloud.ply", request->options, kCpu, run.frame);
   const ReportFiles files(other.out);
-  model.marks.support.assign(model.marks.support.size(), 0.1f);
-  ReportViews weak(run, files, &model);
-  for (const LoadedView& view : training) weak.AddTraining(view);
-  weak.AddProposals();
-  ASSERT_EQ(weak.Advice().size(), 1u);
-  const nlohmann::json advice = weak.Advice()[0];
-  EXPECT_THAT(advice["text"].get<std::string>(), testing::HasSubstr("near " + training[0].name));
-  EXPECT_EQ(weak.Rows()[advice["view"].get<size_t>()]["role"], "proposal") << "a picture of the place";
-  model.marks.support.assign(model.marks.support.size(), 1.f);
-  std::fill_n(model.gaussians.opacity_logits.data(), model.gaussians.size(), 10.f);
-  for (int64_t i = 0; i < 3 * model.gaussians.size(); ++i) model.gaussians.log_scales[i] += 2;
+  Camera camera = training[0].camera;
+  camera.cam_from_world = TurnedAround(camera.cam_from_world);
+  GiveProposal(run, camera);
+  ReportViews open(run, files, &model);
+  for (const LoadedView& view : training) open.AddTraining(view);
+  open.AddProposals();
+  const json advice = open.Advice();
+  ASSERT_EQ(advice.size(), 1u);
+  EXPECT_THAT(advice[0]["text"].get<std::string>(), testing::StartsWith("Take a photo near " + training[0].name));
+  EXPECT_EQ(open.Rows()[advice[0]["view"].get<size_t>()]["role"], "proposal") << "a picture of the place";
+
+  GiveProposal(run, training[0].camera);
   ReportViews enough(run, files, &model);
   for (const LoadedView& view : training) enough.AddTraining(view);
   enough.AddProposals();
   ASSERT_EQ(enough.Advice().size(), 1u);
   EXPECT_THAT(enough.Advice()[0]["text"].get<std::string>(), testing::HasSubstr("You have enough photos"));
   EXPECT_TRUE(enough.Advice()[0]["view"].is_null());
+
   ReportViews unknown(run, files, nullptr);
   for (const LoadedView& view : training) unknown.AddTraining(view);
   unknown.AddProposals();
   EXPECT_TRUE(unknown.Advice().empty());
+}
+
+TEST_F(ReportViewsTest, AdvisesToUseASpareThatShowsMore) {
+  RunRequest other = *request;
+  other.out = *temp / "with_spare";
+  oraclegs::Run run = StartRun(other, Silent());
+  const auto training = LoadViews(run.scene, run.split.train, run.plan.image, Silent());
+  const Model model = LoadModel(*temp / "out/point_cloud.ply", request->options, kCpu, run.frame);
+  const ReportFiles files(other.out);
+  ASSERT_FALSE(run.split.test.empty());
+  SceneView& spare = run.scene.views[static_cast<size_t>(run.split.test[0])];
+  spare.cam_from_world = TurnedAround(*spare.cam_from_world);
+  run.split.test.clear();
+  ReportViews views(run, files, &model);
+  for (const LoadedView& view : training) views.AddTraining(view);
+  views.AddSpares();
+  const json advice = views.Advice();
+  ASSERT_FALSE(advice.empty());
+  EXPECT_THAT(advice[0]["text"].get<std::string>(), testing::StartsWith("Use " + spare.name + ", too"));
+  const json row = views.Rows()[advice[0]["view"].get<size_t>()];
+  EXPECT_EQ(row["role"], "spare");
+  EXPECT_TRUE(std::filesystem::exists(other.out / row["render"]["url"].get<std::string>()));
 }
 
 }  // namespace

@@ -22,8 +22,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kReportedProposals = 32;
-constexpr double kWellSupported = 0.85;  // share of a proposal's pixels; above it no photo is suggested
+constexpr size_t kTriedSpares = 48;
 constexpr size_t kLargestAdvice = 3;
+constexpr double kMuchLessSure = 1.5;  // the error to expect at a place over that at the photos
+constexpr int kSideOfPlaces = 160;     // px, the longer side of images that only a mean is taken of
 
 /// Colors of the values, which are width * height.
 Image8 InColors(const std::vector<float>& values, int width, int height) {
@@ -82,25 +84,16 @@ std::vector<size_t> ByDistance(const Camera& from, const std::vector<Camera>& ca
 
 /// Renders the model in its own colors and in the colors of its support.
 struct ReportViews::Renderer {
-  explicit Renderer(const Model& of) : model(of), rasterizer(MakeRasterizer(of.gaussians.means.device())) {
-    if (!of.marks.support.empty()) {
-      tinted = Recolored(of.gaussians, SupportColors(of.marks.support));
-      seen = Recolored(of.gaussians, SeenByTwo(of.marks.support));
-    }
+  explicit Renderer(const Model& of)
+      : model(of),
+        rasterizer(MakeRasterizer(of.gaussians.means.device())),
+        errors(of.gaussians, of.others.value_or(std::vector<Gaussians>()), of.render) {
+    if (!of.marks.support.empty()) tinted = Recolored(of.gaussians, SupportColors(of.marks.support));
     if (of.others || !of.marks.uncertainty.empty())
       uncertain.emplace(of, std::vector{RenderValue::kUncertainty}, std::vector<Camera>());
     flat = of.render;
     flat.sh_degree = 0;
     flat.background = {0, 0, 0};
-  }
-
-  /// Colors that are white where two or more images support a Gaussian, black elsewhere.
-  static Buffer<float> SeenByTwo(const std::vector<float>& support) {
-    Buffer<float> colors = Buffer<float>::Zeros({static_cast<int64_t>(support.size()), 3});
-    for (size_t i = 0; i < support.size(); ++i) {
-      if (SupportClassOf(support[i]) == SupportClass::kSeenByTwo) std::fill_n(colors.data() + 3 * i, 3, 1.f);
-    }
-    return colors;
   }
 
   Image8 Colors(const Camera& camera) {
@@ -110,20 +103,27 @@ struct ReportViews::Renderer {
     if (!tinted) return std::nullopt;
     return ToImage8(rasterizer->Forward(*tinted, camera, flat, RenderPass::kInference).image);
   }
-  /// Share of the pixels that two or more images support; `of_object`: of those that the model covers.
-  std::optional<double> SupportedShare(const Camera& camera, bool of_object) {
-    if (!seen) return std::nullopt;
-    const RenderOutput output = rasterizer->Forward(*seen, camera, flat, RenderPass::kInference);
-    const double supported = MeanOf(ValuesOf(ToImage8(output.image)));
-    if (!of_object) return supported;
-    const Buffer<float> alpha = output.alpha.To(kCpu);
-    const double covered = MeanOf({alpha.span().begin(), alpha.span().end()});
-    return covered > 0 ? std::min(1., supported / covered) : 1;
+  /// Mean error to expect of what is seen from there. A hole in a scene is as wrong as an error that is shown can be;
+  /// what surrounds an object does not count.
+  double ExpectedError(const Camera& camera, bool of_object) {
+    const double scale = std::min(1., static_cast<double>(kSideOfPlaces) / std::max(camera.width, camera.height));
+    const Camera small = Resized(camera, std::max(1, static_cast<int>(std::lround(scale * camera.width))),
+                                 std::max(1, static_cast<int>(std::lround(scale * camera.height))));
+    const Buffer<float> alpha =
+        rasterizer->Forward(model.gaussians, small, model.render, RenderPass::kInference).alpha.To(kCpu).Clone();
+    const std::vector<float> expected = errors.At(small);
+    std::vector<float> counted;
+    for (size_t p = 0; p < expected.size(); ++p) {
+      const bool is_hole = alpha[static_cast<int64_t>(p)] < kDrawnAlpha;
+      if (!is_hole || !of_object) counted.push_back(is_hole ? std::max(expected[p], kLargestShownError) : expected[p]);
+    }
+    return MeanOf(counted);
   }
 
   const Model& model;
   std::unique_ptr<Rasterizer> rasterizer;
-  std::optional<Gaussians> tinted, seen;
+  Uncertainty errors;
+  std::optional<Gaussians> tinted;
   std::optional<ValueRenderer> uncertain;
   RenderOptions flat;
 };
@@ -226,43 +226,76 @@ void ReportViews::AddProposal(const Target& target) {
   if (!nearest.empty()) row["nearest"] = nearest.front();
   if (renderer_) {
     row["render"] = files_.Image(stem + "_render", renderer_->Colors(target.camera));
-    if (const auto share = renderer_->SupportedShare(target.camera, of_object_)) {
-      Seen seen{rows_.size(), {}, *share};
-      for (size_t i = 0; i < std::min<size_t>(2, nearest.size()); ++i) seen.neighbors.push_back(names_[nearest[i]]);
-      seen_.push_back(std::move(seen));
-    }
+    places_.push_back({target.camera, rows_.size(), "", renderer_->ExpectedError(target.camera, of_object_)});
   }
   rows_.push_back(std::move(row));
 }
 
 const nlohmann::json& ReportViews::Rows() const { return rows_; }
 
-nlohmann::json ReportViews::Advice() const {
-  std::vector<Seen> least = seen_;
-  std::stable_sort(least.begin(), least.end(), [](const Seen& a, const Seen& b) { return a.supported < b.supported; });
-  nlohmann::json advice = nlohmann::json::array();
-  std::vector<std::vector<std::string>> places;
-  for (const Seen& seen : least) {
-    if (seen.supported >= kWellSupported || advice.size() == kLargestAdvice || seen.neighbors.empty()) break;
-    const bool is_told = std::any_of(places.begin(), places.end(), [&](const std::vector<std::string>& place) {
-      return place.front() == seen.neighbors.front() ||
-             std::is_permutation(place.begin(), place.end(), seen.neighbors.begin(), seen.neighbors.end());
-    });
-    if (is_told) continue;
-    places.push_back(seen.neighbors);
-    const std::string where = seen.neighbors.size() == 1
-                                  ? "near " + seen.neighbors[0]
-                                  : fmt::format("near {}, toward {}", seen.neighbors[0], seen.neighbors[1]);
-    advice.push_back(
-        {{"text", fmt::format("Take a photo {}: two or more photos show only {:.0f} % of what is seen there.", where,
-                              100 * seen.supported)},
-         {"view", seen.row}});
+void ReportViews::AddSpares() {
+  if (!renderer_) return;
+  std::vector<int> spares;
+  for (int v = 0; v < static_cast<int>(run_.scene.views.size()); ++v) {
+    const auto is_in = [v](const std::vector<int>& list) {
+      return std::find(list.begin(), list.end(), v) != list.end();
+    };
+    if (run_.scene.views[static_cast<size_t>(v)].cam_from_world && !is_in(run_.split.train) &&
+        !is_in(run_.split.test)) {
+      spares.push_back(v);
+    }
   }
-  if (advice.empty() && !least.empty()) {
-    advice.push_back({{"text", fmt::format("You have enough photos: two or more of them show at least {:.0f} % of what "
-                                           "is seen from every place that was tried.",
-                                           100 * least.front().supported)},
-                      {"view", nullptr}});
+  spares = Evenly(spares, kTriedSpares);
+  const std::vector<Camera> cameras = WorkingCameras(run_.scene, spares, run_.plan.image);
+  for (size_t i = 0; i < spares.size(); ++i) {
+    ThrowIfInterrupted();
+    const std::string& name = run_.scene.views[static_cast<size_t>(spares[i])].name;
+    places_.push_back({cameras[i], std::nullopt, name, renderer_->ExpectedError(cameras[i], of_object_)});
+  }
+}
+
+nlohmann::json ReportViews::Advice() {
+  if (places_.empty() || cameras_.empty()) return nlohmann::json::array();
+  double at_photos = 0;
+  for (const Camera& camera : cameras_) {
+    at_photos += renderer_->ExpectedError(camera, of_object_) / static_cast<double>(cameras_.size());
+  }
+  std::stable_sort(places_.begin(), places_.end(), [](const Place& a, const Place& b) { return a.error > b.error; });
+  nlohmann::json advice = nlohmann::json::array();
+  std::vector<std::vector<size_t>> advised;
+  for (Place& place : places_) {
+    if (place.error < kMuchLessSure * at_photos || advice.size() == kLargestAdvice) break;
+    std::vector<size_t> nearest = ByDistance(place.camera, cameras_);
+    nearest.resize(std::min<size_t>(2, nearest.size()));
+    const bool is_said = std::any_of(advised.begin(), advised.end(), [&](const std::vector<size_t>& other) {
+      return other.front() == nearest.front() ||
+             std::is_permutation(other.begin(), other.end(), nearest.begin(), nearest.end());
+    });
+    if (is_said) continue;
+    const std::string near = names_[nearest.front()];
+    const std::string what = !place.photo.empty() ? fmt::format("Use {}, too", place.photo)
+                             : nearest.size() == 1
+                                 ? fmt::format("Take a photo near {}", near)
+                                 : fmt::format("Take a photo near {}, toward {}", near, names_[nearest[1]]);
+    if (!place.row) {
+      place.row = rows_.size();
+      nlohmann::json row = Row(place.photo, "spare", renderer_->Colors(place.camera));
+      row["camera"] = CameraToJson(place.camera);
+      row["render"] = row["image"];
+      rows_.push_back(std::move(row));
+    }
+    advised.push_back(std::move(nearest));
+    advice.push_back(
+        {{"text", fmt::format("{}: what is seen from there is {:.1f} times as unsure as what your photos show.", what,
+                              place.error / at_photos)},
+         {"view", *place.row}});
+  }
+  if (advice.empty()) {
+    advice.push_back(
+        {{"text",
+          "You have enough photos: from every place that was tried, the splat is about as sure as where your "
+          "photos were taken."},
+         {"view", nullptr}});
   }
   return advice;
 }

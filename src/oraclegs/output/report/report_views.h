@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,20 +45,26 @@ class ReportViews {
   void AddProposals();
   /// Adds a test view with error, expected error and support of each pixel. Does nothing without a model.
   void AddTest(const LoadedView& view);
+  /// Takes the places of the scene's photos that neither train nor test into account for Advice. Call it after all
+  /// training views have been added. Does nothing without a model.
+  void AddSpares();
+
+  /// Suggests where another photo would help most: of the proposals' and spare photos' places, those from which the
+  /// model is the least sure (evaluate/uncertainty.h). At most three of {"text", "view": id of a row}, or one that says
+  /// that there are photos enough, with a null view; none without a model or places. A suggested spare photo gets a row
+  /// of role "spare", whose image is a render.
+  nlohmann::json Advice();
 
   const nlohmann::json& Rows() const;
 
-  /// Suggests where another photo would help most: at the proposals whose pixels are least supported. At most three of
-  /// {"text", "view": id of the proposal}, or one that says that there are photos enough, with a null view; none
-  /// without a model or without support in it.
-  nlohmann::json Advice() const;
-
  private:
   struct Renderer;
-  struct Seen {
-    size_t row = 0;                      ///< of the proposal
-    std::vector<std::string> neighbors;  ///< names of the nearest training views, at most two
-    double supported = 0;                ///< share of the pixels that two or more images support
+  /// A place that a photo could be taken from.
+  struct Place {
+    Camera camera;
+    std::optional<size_t> row;  ///< nothing = it has none yet
+    std::string photo;          ///< name of the spare photo there; empty = there is none
+    double error = 0;           ///< mean error to expect there
   };
 
   void AddProposal(const Target& target);
@@ -68,7 +75,7 @@ class ReportViews {
   nlohmann::json rows_;
   std::vector<std::string> names_;  ///< names of the training views
   std::vector<Camera> cameras_;     ///< cameras of the training views
-  std::vector<Seen> seen_;
+  std::vector<Place> places_;
   bool of_object_ = false;  ///< the photos show an object before a plain background, of which nobody needs more
 };
 

@@ -318,6 +318,8 @@ json WriteRunDocument(Run* run, const Model& model, const fs::path& video) {
   }
   views.AddProposals();
   for (const int view : Evenly(run->split.test, kReportedViews)) views.AddTest(load(view));
+  views.AddSpares();
+  const json advice = views.Advice();
   document["views"] = views.Rows();
   AddScores(metrics, &document["views"]);
   document["hero"] = HeroOf(document["views"]);
@@ -330,7 +332,7 @@ json WriteRunDocument(Run* run, const Model& model, const fs::path& video) {
   document["curves"] = curve.empty() ? json::array() : CurvesToJson(curve);
   document["support"] = SupportOf(model, metrics);
   document["uncertainty"] = metrics.value("uncertainty", json());
-  document["registration"] = RegistrationOf(*run, views.Advice());
+  document["registration"] = RegistrationOf(*run, advice);
   document["poses"] = metrics.value("poses", json());
   document["calibration"] = CalibrationOf(*run);
   document["warnings"] = metrics.value("warnings", json::array());

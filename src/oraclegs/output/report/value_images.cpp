@@ -13,7 +13,6 @@
 namespace oraclegs {
 namespace {
 
-constexpr float kDrawn = 0.1f;         // alpha, from which on a pixel shows the model
 constexpr size_t kCamerasForSpan = 8;  // number of renders that decide the range of depth
 constexpr int kNormalReachShare =
     240;  // the longer side over the reach in pixels; smooths the outlines of Gaussians in depth
@@ -93,7 +92,7 @@ std::vector<float> BlendedMeans(const RenderOutput& render) {
   const Buffer<float> blended = render.image.To(kCpu), alpha = render.alpha.To(kCpu);
   std::vector<float> means(static_cast<size_t>(alpha.count()));
   for (int64_t p = 0; p < alpha.count(); ++p) {
-    if (alpha[p] >= kDrawn) means[static_cast<size_t>(p)] = blended[3 * p] / alpha[p];
+    if (alpha[p] >= kDrawnAlpha) means[static_cast<size_t>(p)] = blended[3 * p] / alpha[p];
   }
   return means;
 }
