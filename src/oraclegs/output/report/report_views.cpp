@@ -260,6 +260,7 @@ nlohmann::json ReportViews::Advice() {
   for (const Camera& camera : cameras_) {
     at_photos += renderer_->ExpectedError(camera, of_object_) / static_cast<double>(cameras_.size());
   }
+  if (!(at_photos > 0)) return nlohmann::json::array();  // an object of which nothing is drawn
   std::stable_sort(places_.begin(), places_.end(), [](const Place& a, const Place& b) { return a.error > b.error; });
   nlohmann::json advice = nlohmann::json::array();
   std::vector<std::vector<size_t>> advised;
