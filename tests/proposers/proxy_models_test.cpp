@@ -2,6 +2,7 @@
 
 #include "oraclegs/core/config.h"
 #include "oraclegs/depth/confidence.h"
+#include "oraclegs/settings/from_results.h"
 #include "run/proposing.h"
 #include "support/buffers.h"
 #include "support/errors.h"
@@ -19,7 +20,7 @@ using ProxyModelsTest = ProposingTest;
 TEST_F(ProxyModelsTest, HoldOutEachViewOnceAndAreReadBack) {
   auto run = StartRun(Request(), Silent());
   const std::vector<ProxyModel> first = Bring(&run, "proxies").proxies;
-  const AutoTrainOptions options = ProxyOptions(run.options, run.options.train);
+  const AutoTrainOptions options = ProxyOptions(run.options.propose.proxy_share, run.options.train);
   EXPECT_EQ(options.iterations, 6);  // 0.2 of 30
   EXPECT_EQ(options.schedule, ScheduleKind::kNone);
   ASSERT_EQ(first.size(), 3u);
@@ -140,10 +141,22 @@ TEST_F(ProxyModelsTest, DependOnTheHorizonThatTheirRatesFollow) {
 }
 
 TEST_F(ProxyModelsTest, DoNotDependOnHowProposalsAreTrainedOn) {
-  RunOptions options = Request().options;
-  AutoTrainOptions other = options.train;
+  const AutoTrainOptions options = Request().options.train;
+  AutoTrainOptions other = options;
   other.synthetic_floor = 0.7, other.proposal_ssim = 0.1, other.confidence_power = 0.5;
-  EXPECT_EQ(OptionsToJson(ProxyOptions(options, other)), OptionsToJson(ProxyOptions(options, options.train)));
+  EXPECT_EQ(OptionsToJson(ProxyOptions(0.2, other)), OptionsToJson(ProxyOptions(0.2, options)));
+}
+
+TEST(ProxyOptions, KeepRatesThatWereSettledAndLeaveAutomaticOnesToTheirLength) {
+  AutoTrainOptions asked;
+  asked.iterations = 3000;
+  const TrainOptions run = SettleTraining(asked, {}, Silent());
+  EXPECT_EQ(ProxyOptions(0.4, run).rate_scale, run.rate_scale);
+  const TrainOptions own = SettleTraining(ProxyOptions(0.4, asked), {}, Silent());
+  EXPECT_EQ(own.iterations, 1200);
+  EXPECT_EQ(own.rate_scale, 5);
+  EXPECT_EQ(own.sh_degree_interval, 240);
+  EXPECT_NEAR(run.rate_scale, std::sqrt(10), 1e-9);
 }
 
 }  // namespace

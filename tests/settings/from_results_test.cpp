@@ -152,9 +152,10 @@ TEST(SettleTraining, TakesProposalsOfProxyModelsAsOftenAsTheyAreTrusted) {
   const TrainEvidence found{.photos = 12, .proposals = 2, .proxy_trust = 0.625};
   AutoTrainOptions asked;
   const TrainOptions settled = SettleTraining(asked, found, recorder.AsListener());
-  EXPECT_EQ(settled.schedule, ScheduleKind::kConstant);
+  EXPECT_EQ(settled.schedule, ScheduleKind::kFalling);
   EXPECT_EQ(settled.synthetic_floor, 0.5 * 0.625);
-  EXPECT_THAT(recorder.notes, ElementsAre("31 % of the iterations take a proposal (--set synthetic-floor)"));
+  EXPECT_THAT(recorder.notes,
+              ElementsAre("31 % of the iterations take a proposal, later ones fewer (--set synthetic-floor)"));
   EXPECT_EQ(SettleTraining(asked, {}, Silent()).schedule, ScheduleKind::kPaper);
   asked.synthetic_floor = 0.2;
   EXPECT_EQ(SettleTraining(asked, found, Silent()).schedule, ScheduleKind::kPaper);

@@ -83,6 +83,12 @@ TEST(ScheduleTest, OptionsChooseWhatIsDrawn) {
   EXPECT_DOUBLE_EQ(SyntheticProbability(500, 1000, options.Proposals()), 0.2 + 3.0 / 16);
   options.schedule = ScheduleKind::kConstant;
   EXPECT_DOUBLE_EQ(SyntheticProbability(500, 1000, options.Proposals()), 0.2);
+  options.schedule = ScheduleKind::kFalling;
+  EXPECT_DOUBLE_EQ(SyntheticProbability(1, 1000, options.Proposals()), 0.2);
+  EXPECT_DOUBLE_EQ(SyntheticProbability(500, 1000, options.Proposals()), 0.2);
+  EXPECT_DOUBLE_EQ(SyntheticProbability(750, 1000, options.Proposals()), 0.1);
+  EXPECT_DOUBLE_EQ(SyntheticProbability(1000, 1000, options.Proposals()), 0);
+  EXPECT_DOUBLE_EQ(SyntheticProbability(1200, 1000, options.Proposals()), 0) << "trained on behind the horizon";
   options.schedule = ScheduleKind::kNone;
   EXPECT_DOUBLE_EQ(SyntheticProbability(500, 1000, options.Proposals()), 0);
 }

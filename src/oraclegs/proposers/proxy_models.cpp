@@ -55,12 +55,13 @@ void Scale(double share, Auto<int>* iterations) {
   *iterations = scaled;
 }
 
-/// Options of the training that follows with all views, of Gaussians that have found their places and colors.
-TrainOptions FinishOptions(const RunOptions& options, bool is_object, TrainOptions proxy) {
-  proxy.iterations = static_cast<int>(SettleProxyFinish(options.propose, is_object) * options.train.iterations.value());
-  proxy.sh_degree_interval = 1;
-  proxy.refine_start = 0;
-  return proxy;
+/// Options of the training that follows with all views, a course of its own: rates that suit its length bring Gaussians
+/// to surfaces that the left-out views alone show, where the run's are too low for so few iterations.
+TrainOptions FinishOptions(const RunOptions& options, const TrainEvidence& found) {
+  const double share = SettleProxyFinish(options.propose, found.is_object);
+  TrainOptions finish = SettleTraining(ProxyOptions(share, options.train), found, Silent());
+  if (share == 0) finish.iterations = 0;
+  return finish;
 }
 
 /// All views' depth, as sure as it is without the ones held out.
@@ -94,8 +95,9 @@ class ProxyTrainer {
         geometry_(run->results->geometry),
         views_(MakeTrainViews(training_, geometry_, run->options.train.depth_loss)),
         asked_(OptionsOfProxies(*run)),
-        options_(ProxyOptions(asked_, SettleTraining(asked_.train, EvidenceOf(training_, geometry_), Silent()))),
-        finish_(FinishOptions(asked_, !training_.silhouettes.empty(), options_)) {}
+        found_(EvidenceOf(training_, geometry_)),
+        options_(ProxyOptions(asked_.propose.proxy_share, SettleTraining(asked_.train, found_, Silent()))),
+        finish_(FinishOptions(asked_, found_)) {}
 
   int64_t iterations() const { return options_.iterations + finish_.iterations; }
 
@@ -162,6 +164,7 @@ class ProxyTrainer {
   const Geometry& geometry_;
   std::vector<TrainView> views_;
   RunOptions asked_;
+  TrainEvidence found_;
   TrainOptions options_, finish_;
 };
 
@@ -182,7 +185,8 @@ void AddProxyKey(Run* run, Fingerprint* key) {
     key->Add(SettleProxyFinish(options.propose, is_object));  // the images say which
   key->Add(options.train.iterations.value());                 // whose share the finish is
   key->Add(options.train.horizon);                            // which the rates follow
-  key->Add(OptionsToJson(options.start).dump()).Add(OptionsToJson(ProxyOptions(options, options.train)).dump());
+  key->Add(OptionsToJson(options.start).dump())
+      .Add(OptionsToJson(ProxyOptions(options.propose.proxy_share, options.train)).dump());
   key->Add(OptionsToJson(options.image).dump());
 }
 
@@ -248,8 +252,7 @@ double SecondsOfProxies(const EstimateInput& input) {
 }  // namespace
 
 template <class Train>
-Train ProxyOptions(const RunOptions& options, Train train) {
-  const double share = options.propose.proxy_share;
+Train ProxyOptions(double share, Train train) {
   Scale(share, &train.iterations), Scale(share, &train.sh_degree_interval), Scale(share, &train.refine_start);
   train.horizon = 0;
   // Nothing that concerns proposals reaches a proxy model: other values of these ask for no new ones.
@@ -260,8 +263,8 @@ Train ProxyOptions(const RunOptions& options, Train train) {
   train.confidence_power = unused.confidence_power;
   return train;
 }
-template TrainOptions ProxyOptions(const RunOptions& options, TrainOptions train);
-template AutoTrainOptions ProxyOptions(const RunOptions& options, AutoTrainOptions train);
+template TrainOptions ProxyOptions(double share, TrainOptions train);
+template AutoTrainOptions ProxyOptions(double share, AutoTrainOptions train);
 
 int ProxyCount(const ProposeOptions& options, int views) {
   const int enough = std::min(kViewsOfProxy, views - 1);

@@ -5,10 +5,10 @@
 
 namespace oraclegs {
 
-/// How proxy models are trained: the run's training options at a share of its iterations. Train is
-/// TrainOptions, or AutoTrainOptions, of which what is automatic stays so.
+/// How proxy models are trained: the run's training options at a share of its iterations. Train is TrainOptions, whose
+/// rates stay those of the run, or AutoTrainOptions, of which what is automatic stays so.
 template <class Train>
-Train ProxyOptions(const RunOptions& options, Train train);
+Train ProxyOptions(double share, Train train);
 
 /// Training views that a proxy model has at first, where there are more.
 inline constexpr int kViewsOfProxy = 3;

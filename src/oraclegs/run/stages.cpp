@@ -14,10 +14,10 @@ const std::vector<Stage>& Stages() {
       {"sfm", 1, {"register"}, SfmStage()},
       {"poses", 1, {"sfm"}, PosesStage()},
       {"depth", 7, {"sfm", "poses"}, DepthStage()},
-      {"proxies", 3, {"depth"}, ProxyStage()},
+      {"proxies", 4, {"depth"}, ProxyStage()},
       {"propose", 3, {"depth", "proxies"}, ProposeStage()},
       {"validate", 5, {"propose"}, ValidateStage()},
-      {"train", 2, {"sfm", "depth", "validate"}, TrainStage()},
+      {"train", 3, {"sfm", "depth", "validate"}, TrainStage()},
       {"evaluate", 4, {"train"}, EvaluateStage()},
       {"report", 1, {"evaluate"}, ReportStage()},
   };

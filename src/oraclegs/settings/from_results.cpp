@@ -18,7 +18,8 @@ constexpr double kOpacityNoise = 0.5, kObjectOpacityNoise = 0.3, kLastRates = 0.
 constexpr double kObjectDropout = 0.2;
 
 // Proxy models that are trained nearly to the end err as the model itself does, but each in its own way, so that their
-// mean is nearer to the truth than the model would come alone: it may be seen often, as far as it is right.
+// mean is nearer to the truth than the model would come alone: it may be seen often, as far as it is right. In the end
+// the model is as good as they are, and only photos make it sharper.
 constexpr double kProxyDose = 0.5;
 
 // 3DGS's learning rates are made for so many iterations. A run of fewer ends before its Gaussians have arrived: with
@@ -51,9 +52,9 @@ void SettleSchedule(const AutoTrainOptions& asked, const TrainEvidence& found, T
   settled->schedule = asked.schedule.ValueOr(settled->schedule);
   settled->synthetic_floor = asked.synthetic_floor.ValueOr(settled->synthetic_floor);
   if (found.proxy_trust && asked.schedule.is_auto() && asked.synthetic_floor.is_auto()) {
-    settled->schedule = ScheduleKind::kConstant;
+    settled->schedule = ScheduleKind::kFalling;
     settled->synthetic_floor = kProxyDose * *found.proxy_trust;
-    listener(Note{fmt::format("{:.0f} % of the iterations take a proposal (--set synthetic-floor)",
+    listener(Note{fmt::format("{:.0f} % of the iterations take a proposal, later ones fewer (--set synthetic-floor)",
                               100 * settled->synthetic_floor)});
   } else if (settled->schedule == ScheduleKind::kUnion) {
     settled->schedule = ScheduleKind::kConstant;

@@ -9,10 +9,11 @@
 namespace oraclegs {
 
 /// How the fraction of iterations that take a proposal changes over the run.
-enum class ScheduleKind { kPaper, kConstant, kUnion, kNone };
+enum class ScheduleKind { kPaper, kFalling, kConstant, kUnion, kNone };
 template <>
 struct EnumWords<ScheduleKind> {
   static constexpr EnumWord<ScheduleKind> kWords[] = {{ScheduleKind::kPaper, "paper"},
+                                                      {ScheduleKind::kFalling, "falling"},
                                                       {ScheduleKind::kConstant, "constant"},
                                                       {ScheduleKind::kUnion, "union"},
                                                       {ScheduleKind::kNone, "none"}};
@@ -98,7 +99,7 @@ struct TrainOptions : TrainConstants {
   /// Probability schedule of proposals, as --schedule says.
   ProposalSchedule Proposals() const {
     if (schedule == ScheduleKind::kNone) return {0, 0};
-    return {synthetic_floor, schedule == ScheduleKind::kPaper ? synthetic_peak : 0};
+    return {synthetic_floor, schedule == ScheduleKind::kPaper ? synthetic_peak : 0, schedule == ScheduleKind::kFalling};
   }
 
   template <class Self, class V>
@@ -127,12 +128,13 @@ struct TrainOptions : TrainConstants {
     visit(
         "schedule", self.schedule,
         "How often an iteration takes a proposal instead of a photo: paper = synthetic-floor + synthetic-peak * "
-        "t (1-t)^3 of them, t the share of the run that is done; constant = synthetic-floor throughout; union = photos "
-        "and proposals are drawn from one pile; none = never; "
-        "auto = constant where proxy models alone propose, in proportion to their confidence, else paper");
+        "t (1-t)^3 of them, t the share of the run that is done; falling = synthetic-floor in the first half, then "
+        "linearly down to none; constant = synthetic-floor throughout; union = photos and proposals are drawn from one "
+        "pile; none = never; auto = falling where proxy models alone propose, in proportion to their confidence, else "
+        "paper");
     visit("synthetic-floor", self.synthetic_floor,
           "Fraction of the iterations that take a proposal, at both ends of the run; auto = half of the mean squared "
-          "confidence where --schedule auto is constant, else the paper's 0.1",
+          "confidence where --schedule auto is falling, else the paper's 0.1",
           Range{0, 1}, Tier::kSetting);
     visit("synthetic-peak", self.synthetic_peak,
           "Factor of t (1-t)^3, which adds to the floor and is largest, 0.105, at a quarter of the run", Range{0, 100},

@@ -48,7 +48,9 @@ double DepthWeight(int64_t iteration, int64_t iterations) {
 }
 
 double SyntheticProbability(int64_t iteration, int64_t iterations, const ProposalSchedule& schedule) {
-  return std::clamp(schedule.floor + schedule.peak * Bump(Progress(iteration, iterations)), 0.0, 1.0);
+  const double t = Progress(iteration, iterations);
+  const double share = schedule.falls ? std::min(1.0, 2 * (1 - t)) : 1;
+  return std::clamp(share * (schedule.floor + schedule.peak * Bump(t)), 0.0, 1.0);
 }
 
 }  // namespace oraclegs

@@ -19,10 +19,12 @@ double ExposureLearningRate(int64_t iteration, int64_t iterations);
 double DepthWeight(int64_t iteration, int64_t iterations);
 
 /// Probability of drawing a proposal instead of a photo: clip(floor + peak * t (1-t)^3, 0, 1). The constants are those
-/// of the official implementation; the bump is largest, 0.105, at t = 1/4.
+/// of the official implementation; the bump is largest, 0.105, at t = 1/4. Where it `falls`, the second half of the run
+/// takes it linearly to 0.
 struct ProposalSchedule {
   double floor = 0.1;
   double peak = 1;
+  bool falls = false;
 };
 double SyntheticProbability(int64_t iteration, int64_t iterations, const ProposalSchedule& schedule = {});
 
