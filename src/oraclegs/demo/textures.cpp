@@ -265,6 +265,43 @@ Vec3 Glaze(const Vec3& p) {
   return ValueNoise(p * 30, 122) > .80 ? Vec3{.80, .58, .22} : color;
 }
 
+Vec3 Paint(const Vec3& n) {
+  if (n.z < -.5) return {.52, .42, .33};
+  if (n.z > .5) return {.74, .72, .68};
+  if (n.y > .5) return {.80, .74, .60};
+  return n.x < 0 ? Vec3{.42, .60, .66} : Vec3{.74, .56, .42};
+}
+
+/// Patches from a hand's width to a house's.
+Vec3 Ground(double u, double v) {
+  const double patch = FractalNoise({u / 7, v / 7, 0}, 6, 141);
+  Vec3 color = Mix(Vec3{.40, .29, .17}, Vec3{.17, .29, .08}, Smoothstep(.44, .56, patch));
+  color = color * (.35 + 1.3 * FractalNoise({u * 4, v * 4, 0}, 5, 142));
+  for (const double scale : {.5, .13}) {
+    const double stone = Fleck(u / scale, v / scale, .35, 143);
+    if (stone >= 0) color = Mix(color, Pick(kChips, stone), .7);
+  }
+  return color;
+}
+
+Vec3 House(const Vec3& p, const Vec3& n, const Vec3& size) {
+  const FacePoint f = OnFace(p, n, size);
+  const auto random = [&](int64_t i, int64_t j, uint32_t k) { return LatticeNoise(i, j, f.face, 151 + k); };
+  if (std::abs(n.z) > .5) return Brick(f.u / 3, f.v / 3);
+  const double of_house = LatticeNoise(static_cast<int64_t>(100 * size.x), static_cast<int64_t>(100 * size.z), 0, 150);
+  const LatticeCell cu = CellOf(f.u / 1.1), cv = CellOf((f.v + f.half_v) / 1.5);
+  const double du = std::abs(cu.at - .5), dv = std::abs(cv.at - .5);
+  if (du < .24 && dv < .28) {
+    const Vec3 pane = Mix(Vec3{.04, .06, .09}, Vec3{.62, .66, .66}, random(cu.index, cv.index, 1));
+    const Vec3 blind = Pick(kBright, random(cu.index, cv.index, 2));
+    return cv.at - .22 > .56 * random(cu.index, cv.index, 3) ? blind : pane;
+  }
+  if (du < .30 && dv < .35) return {.86, .84, .78};
+  if (FromBorder(cv) < .05) return Vec3{.30, .26, .22};
+  const Vec3 plaster = Mix(Pick(kBright, of_house), Vec3{.72, .66, .56}, .55);
+  return plaster * (.3 + 1.3 * FractalNoise({f.u * 1.3, f.v * 1.3, 9 * of_house}, 5, 154));
+}
+
 }  // namespace
 
 Vec3 Albedo(Texture texture, const Vec3& point, const Vec3& normal, const Vec3& size) {
@@ -295,6 +332,15 @@ Vec3 Albedo(Texture texture, const Vec3& point, const Vec3& normal, const Vec3& 
       break;
     case Texture::kGlaze:
       color = Glaze(point);
+      break;
+    case Texture::kPaint:
+      color = Paint(normal);
+      break;
+    case Texture::kGround:
+      color = Ground(point.x, point.y);
+      break;
+    case Texture::kHouse:
+      color = House(point, normal, size);
       break;
   }
   return {Clamp01(color.x), Clamp01(color.y), Clamp01(color.z)};
