@@ -117,7 +117,7 @@ depth() {
       "$bin/oraclegs" demo-scene "$out/scene-$size" --quiet --width "${size%x*}" --height "${size#*x}" >&2
     "$bin/oraclegs" depth "$out/scene-$size" -o "$out/depth-$size" --quiet --eval --views 12 >&2
     printf '%s: ' "$size"
-    "$bin/depth_truth_bench" "$out/depth-$size" | tail -n 1
+    "$bin/truth_bench" "$out/depth-$size" | tail -n 1
   done
 }
 
