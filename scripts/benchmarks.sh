@@ -4,8 +4,8 @@
 #   scripts/benchmarks.sh DATA OUT [SECTION ...]
 # DATA     holds fox, lego and sceaux, and room and bonsai for growth; docs/benchmarks.md says where they come from
 # OUT      receives the runs; a run that is finished there is kept
-# SECTION  quality, predicted, methods, parts, confidence, tampering, depth, speed, growth, demo, support, files or
-#          memory; all unless given. predicted, support, files and memory read the runs of quality
+# SECTION  quality, predicted, methods, parts, confidence, tampering, depth, kinds, speed, growth, demo, support, files
+#          or memory; all unless given. predicted, support, files and memory read the runs of quality
 set -euo pipefail
 if (($# < 2)); then
   sed -n 's/^# \{0,1\}//p' "$0" | sed -n 4,8p >&2
@@ -121,6 +121,8 @@ depth() {
   done
 }
 
+kinds() { "$here/bench/kinds.py" "$out/kinds"; }
+
 speed() { "$here/bench/stages.py" "$data" "$out/speed" --min-time 0.4; }
 
 growth() { "$here/bench/growth.py" "$data" "$out/growth" --plot "$out/growth.svg"; }
@@ -148,7 +150,7 @@ files() {
 
 memory() { figures memory "$out"/quality/{fox,lego,sceaux}-*-0; }
 
-sections=(quality predicted methods parts confidence tampering depth speed growth demo support files memory)
+sections=(quality predicted methods parts confidence tampering depth kinds speed growth demo support files memory)
 for section in "${@:-${sections[@]}}"; do
   [[ " ${sections[*]} " == *" $section "* ]] || { echo "scripts/benchmarks.sh: no section $section" >&2; exit 2; }
 done
