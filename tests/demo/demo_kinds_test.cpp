@@ -151,8 +151,8 @@ TEST(DemoWorld, ThinStructuresAreThin) {
     for (int i = 0; i < kViews; ++i) {
       const RayCamera camera = DemoCamera(DemoKind::kThin, i, kViews, 320, 240);
       const double pixels = 2 * radius * camera.focal / Dot(object.shape.center - camera.center, camera.forward);
-      EXPECT_GT(pixels, .9);
-      EXPECT_LT(pixels, 4.5);
+      EXPECT_GT(pixels, 1);
+      EXPECT_LT(pixels, 4);
     }
   }
   EXPECT_EQ(of_room + thin, DemoWorld(DemoKind::kThin).objects.size());

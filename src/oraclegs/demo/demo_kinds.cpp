@@ -62,14 +62,14 @@ void AddThinStructures(std::vector<SceneObject>* objects) {
   pole(-.155, .0066, Texture::kTiles);
   pole(-.1, .009, Texture::kCandy);
   pole(.045, .0075, Texture::kQuilt);
-  pole(.15, .0105, Texture::kTiles);
+  pole(.15, .0098, Texture::kTiles);
 
   constexpr double kAt = -.03, kHeight = .75, kHalf = .27;
   constexpr int kWires = 5;
   const SinCos turn = SinCosOfTurns(kAt);
   for (int i = 0; i < kWires; ++i) {
     const double along = kHalf * (2. * i / (kWires - 1) - 1);
-    const double radius = i == 0 || i == kWires - 1 ? .01 : .0066;
+    const double radius = i == 0 || i == kWires - 1 ? .0092 : .0066;
     const Vec3 middle = AroundTarget(kAt, kNear, kHeight);
     const Vec3 upright = middle + Vec3{turn.cos, turn.sin, 0} * along, level = middle + Vec3{0, 0, along};
     objects->push_back({MakeSolid(ShapeKind::kCylinder, {radius, 0, kHalf}, upright), Texture::kCandy});
