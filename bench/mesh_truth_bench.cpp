@@ -53,7 +53,7 @@ double ExtentOf(const std::vector<SceneObject>& objects) {
 
 void Measure(const std::filesystem::path& file) {
   const TriangleMesh mesh = ReadMeshPly(file);
-  const std::vector<SceneObject> objects = DemoObjects();
+  const std::vector<SceneObject> objects = DemoWorld(DemoKind::kRoom).objects;
   std::vector<double> distances;
   for (const Eigen::Vector3d& p : PointsOn(mesh)) distances.push_back(DistanceToScene(objects, {p.x(), p.y(), p.z()}));
   std::sort(distances.begin(), distances.end());

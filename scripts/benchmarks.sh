@@ -4,8 +4,8 @@
 #   scripts/benchmarks.sh DATA OUT [SECTION ...]
 # DATA     holds fox, lego and sceaux, and room and bonsai for growth; docs/benchmarks.md says where they come from
 # OUT      receives the runs; a run that is finished there is kept
-# SECTION  quality, predicted, methods, parts, confidence, tampering, depth, speed, growth, demo, support, files or
-#          memory; all unless given. predicted, support, files and memory read the runs of quality
+# SECTION  quality, predicted, methods, parts, confidence, tampering, depth, kinds, speed, growth, demo, support, files
+#          or memory; all unless given. predicted, support, files and memory read the runs of quality
 set -euo pipefail
 if (($# < 2)); then
   sed -n 's/^# \{0,1\}//p' "$0" | sed -n 4,8p >&2
@@ -117,9 +117,11 @@ depth() {
       "$bin/oraclegs" demo-scene "$out/scene-$size" --quiet --width "${size%x*}" --height "${size#*x}" >&2
     "$bin/oraclegs" depth "$out/scene-$size" -o "$out/depth-$size" --quiet --eval --views 12 >&2
     printf '%s: ' "$size"
-    "$bin/depth_truth_bench" "$out/depth-$size" | tail -n 1
+    "$bin/truth_bench" "$out/depth-$size" | tail -n 1
   done
 }
+
+kinds() { "$here/bench/kinds.py" "$out/kinds"; }
 
 speed() { "$here/bench/stages.py" "$data" "$out/speed" --min-time 0.4; }
 
@@ -148,7 +150,7 @@ files() {
 
 memory() { figures memory "$out"/quality/{fox,lego,sceaux}-*-0; }
 
-sections=(quality predicted methods parts confidence tampering depth speed growth demo support files memory)
+sections=(quality predicted methods parts confidence tampering depth kinds speed growth demo support files memory)
 for section in "${@:-${sections[@]}}"; do
   [[ " ${sections[*]} " == *" $section "* ]] || { echo "scripts/benchmarks.sh: no section $section" >&2; exit 2; }
 done

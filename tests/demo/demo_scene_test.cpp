@@ -15,7 +15,7 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/demo/raytracer.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/image/image.h"
 #include "oraclegs/image/read_image.h"
 #include "support/temp_dir.h"
@@ -48,6 +48,17 @@ TEST(WriteDemoScene, WritesSameBytesForAnyThreads) {
   const auto files = FilesOf(dir / "one");
   EXPECT_EQ(files.size(), 2u + 3 + 3);
   EXPECT_TRUE(files == FilesOf(dir / "four"));
+}
+
+TEST(WriteDemoScene, WritesTheKind) {
+  const TempDir dir;
+  DemoSceneOptions options = kTiny;
+  options.kind = DemoKind::kObject;
+  WriteDemoScene(dir / "demo", options, Silent());
+  EXPECT_EQ(nlohmann::json::parse(ReadFile(dir / "demo" / "demo_scene.json"))["kind"], "object");
+  const Image8 image = ReadImage(dir / "demo" / "images" / "000.png");
+  EXPECT_EQ(image.data.front(), 255);
+  EXPECT_EQ(ReadPng16(dir / "demo" / "depth" / "000.png").values.front(), 0);
 }
 
 TEST(WriteDemoScene, WritesRequestedPosesAndIntrinsics) {

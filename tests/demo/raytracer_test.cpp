@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
+
+#include "oraclegs/demo/demo_kinds.h"
 
 namespace oraclegs {
 namespace {
@@ -32,9 +35,9 @@ Vec3 ToCamera(const RayCamera& camera, const Vec3& p) {
 }
 
 TEST(TraceView, DepthsOfTwoViewsAgree) {
-  const auto objects = DemoObjects();
+  const RayScene scene = DemoWorld(DemoKind::kRoom);
   const RayCamera a = LookFrom({-.15, -2.9, 1.2}), b = LookFrom({.15, -2.85, 1.3});
-  const RayTracedView from_a = TraceView(objects, a, 1, 0), from_b = TraceView(objects, b, 1, 1);
+  const RayTracedView from_a = TraceView(scene, a, 1, 0), from_b = TraceView(scene, b, 1, 1);
   int inside = 0, agree = 0, in_front = 0;
   for (int y = 0; y < a.height; ++y) {
     for (int x = 0; x < a.width; ++x) {
@@ -58,7 +61,7 @@ TEST(TraceView, DepthsOfTwoViewsAgree) {
 
 TEST(TraceView, DepthOfAWallIsExact) {
   // Straight at a wall of a bare room: z depth is the distance of the plane at every pixel.
-  const std::vector<SceneObject> room{{MakeSolid(ShapeKind::kRoom, {3, 2, 2}, {0, 0, 0}), Texture::kRoom, 0}};
+  const RayScene room{{{MakeSolid(ShapeKind::kRoom, {3, 2, 2}, {0, 0, 0}), Texture::kRoom, 0}}};
   RayCamera camera;
   camera.width = 16;
   camera.height = 12;
@@ -71,7 +74,7 @@ TEST(TraceView, DepthOfAWallIsExact) {
 }
 
 TEST(TraceView, ImagesAreRichAndUnclipped) {
-  const RayTracedView view = TraceView(DemoObjects(), LookFrom({-.3, -2.9, 1.2}), 2, 0);
+  const RayTracedView view = TraceView(DemoWorld(DemoKind::kRoom), LookFrom({-.3, -2.9, 1.2}), 2, 0);
   double sum = 0, edges = 0;
   int clipped = 0;
   const auto& rgb = view.rgb.data;
@@ -87,10 +90,36 @@ TEST(TraceView, ImagesAreRichAndUnclipped) {
   EXPECT_LT(clipped, .02 * n);
 }
 
-TEST(DemoObjects, OnlyTheBallReflects) {
-  int mirrors = 0;
-  for (const SceneObject& object : DemoObjects()) mirrors += object.mirror > 0;
-  EXPECT_EQ(mirrors, 1);
+TEST(TraceView, SurroundingsHaveNoDepth) {
+  RayCamera camera = LookFrom({0, -3, .6}, 16, 12);
+  RayScene scene{{{MakeSolid(ShapeKind::kSphere, {.3, 0, 0}, {0, 0, .6}), Texture::kCandy}}};
+  const auto corner = [&](Surroundings around) {
+    scene.around = around;
+    const RayTracedView view = TraceView(scene, camera, 2, 0);
+    EXPECT_EQ(view.depth.front(), 0);
+    EXPECT_NEAR(view.depth[6 * 16 + 8], 2700, 50);
+    return std::array<int, 3>{view.rgb.data[0], view.rgb.data[1], view.rgb.data[2]};
+  };
+  EXPECT_EQ(corner(Surroundings::kRoom), (std::array{0, 0, 0}));
+  EXPECT_EQ(corner(Surroundings::kWhite), (std::array{255, 255, 255}));
+  const auto sky = corner(Surroundings::kSky);
+  EXPECT_GT(sky[2], sky[0] + 30) << "blue";
+}
+
+TEST(TraceView, SunThrowsShadowsAlongOneDirection) {
+  // Two balls on the ground, ten units apart, have their shadows at the same side and place.
+  RayScene scene{{{MakeSolid(ShapeKind::kBox, {30, 30, .5}, {0, 0, -.5}), Texture::kPaint}}, Surroundings::kSky};
+  for (const double x : {0., 10.}) scene.objects.push_back({MakeSolid(ShapeKind::kSphere, {.5, 0, 0}, {x, 0, 2})});
+  RayCamera camera = LookFrom({0, 0, 8}, 3, 3);
+  camera.right = {1, 0, 0}, camera.down = {0, -1, 0}, camera.forward = {0, 0, -1};
+  camera.focal = 60;  // the image is .4 units wide on the ground
+  const auto brightness = [&](const Vec3& place) {
+    camera.center = {place.x, place.y, 1};
+    return static_cast<int>(TraceView(scene, camera, 2, 0).rgb.data[12]);
+  };
+  const Vec3 shadow{1.27, 1.88, 0};  // two units up, the sun leans by .42 and .62 of .66
+  EXPECT_LT(brightness(shadow), .75 * brightness(Vec3{-1.27, -1.88, 0}));
+  EXPECT_NEAR(brightness(shadow), brightness(shadow + Vec3{10, 0, 0}), 3);
 }
 
 }  // namespace

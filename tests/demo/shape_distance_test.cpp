@@ -21,7 +21,7 @@ TEST(DistanceToSurface, IsMeasuredFromBothSides) {
 }
 
 TEST(DistanceToSurface, AgreesWithRays) {
-  for (const SceneObject& object : DemoObjects()) {
+  for (const SceneObject& object : DemoWorld(DemoKind::kRoom).objects) {
     const Vec3 from = object.shape.kind == ShapeKind::kRoom ? Vec3{0.1, 0.2, 1} : Vec3{0.3, -3, 1.7};
     int hits = 0;
     for (int i = 0; i < 400; ++i) {

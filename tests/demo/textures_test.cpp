@@ -1,6 +1,5 @@
 #include "oraclegs/demo/textures.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,42 +8,10 @@
 namespace oraclegs {
 namespace {
 
-TEST(ValueNoise, MeetsTheLatticeAndIsContinuous) {
-  EXPECT_EQ(ValueNoise({3, -2, 7}, 5), LatticeNoise(3, -2, 7, 5));
-  for (double x = -1.5; x < 1.5; x += .01) {
-    EXPECT_LT(std::abs(ValueNoise({x, .3, .7}, 5) - ValueNoise({x + 1e-6, .3, .7}, 5)), 1e-5);
-  }
-}
-
-TEST(LatticeNoise, IsUniformAndUncorrelated) {
-  double sum = 0, squares = 0, product = 0;
-  constexpr int kSide = 100;
-  for (int i = 0; i < kSide; ++i) {
-    for (int j = 0; j < kSide; ++j) {
-      const double a = LatticeNoise(i, j, 0, 1) - .5, b = LatticeNoise(i + 1, j, 0, 1) - .5;
-      sum += a;
-      squares += a * a;
-      product += a * b;
-    }
-  }
-  constexpr double kCount = kSide * kSide;
-  EXPECT_NEAR(sum / kCount, 0, .01);
-  EXPECT_NEAR(squares / kCount, 1.0 / 12, .003);
-  EXPECT_NEAR(product / kCount, 0, .003);
-}
-
-TEST(FractalNoise, StaysInTheUnitInterval) {
-  for (int i = 0; i < 1000; ++i) {
-    const double v = FractalNoise({.37 * i, -.11 * i, .05 * i}, 5, 3);
-    EXPECT_GE(v, 0);
-    EXPECT_LT(v, 1);
-  }
-}
-
 TEST(Albedo, EveryTextureIsInRangeAndHasDetail) {
   const Vec3 size{.4, .4, .4};
   for (const Texture texture : {Texture::kRoom, Texture::kCrate, Texture::kQuilt, Texture::kMarble, Texture::kCandy,
-                                Texture::kTiles, Texture::kDonut, Texture::kGlaze}) {
+                                Texture::kTiles, Texture::kDonut, Texture::kGlaze, Texture::kGround, Texture::kHouse}) {
     double lowest = 1, highest = 0;
     for (int i = 0; i < 400; ++i) {
       const Vec3 p{-.35 + .035 * (i % 20), -.4, -.35 + .035 * (i / 20)};
@@ -58,6 +25,19 @@ TEST(Albedo, EveryTextureIsInRangeAndHasDetail) {
     }
     EXPECT_GT(highest - lowest, .15) << static_cast<int>(texture);
   }
+}
+
+TEST(Albedo, PaintIsOneColorASide) {
+  const auto paint = [](const Vec3& point, const Vec3& normal) {
+    return Albedo(Texture::kPaint, point, normal, {3, 3, 2}).x;
+  };
+  EXPECT_EQ(paint({-1, 3, .2}, {0, 1, 0}), paint({2, 3, -1.7}, {0, 1, 0}));
+  EXPECT_NE(paint({3, 1, 0}, {1, 0, 0}), paint({-3, 1, 0}, {-1, 0, 0}));
+}
+
+TEST(Albedo, HousesDiffer) {
+  const auto plaster = [](const Vec3& size) { return Albedo(Texture::kHouse, {0, -1, .6}, {0, -1, 0}, size).x; };
+  EXPECT_NE(plaster({2, 1, 3}), plaster({3, 1, 4}));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include "depth/disturbed.h"
 #include "depth/surfaces.h"
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/demo/raytracer.h"
+#include "oraclegs/demo/demo_kinds.h"
 #include "oraclegs/depth/plane_search.h"
 #include "oraclegs/depth/stereo.h"
 
@@ -16,7 +16,7 @@ constexpr int kWidth = 208, kHeight = 156;
 
 /// Views of the demo scene from an arc before it.
 std::vector<LoadedView> DemoViews(int n) {
-  const std::vector<SceneObject> objects = DemoObjects();
+  const RayScene world = DemoWorld(DemoKind::kRoom);
   std::vector<LoadedView> views;
   for (int i = 0; i < n; ++i) {
     const double azimuth = 0.2 * (i - (n - 1) / 2.0), height = i % 2 == 0 ? 1.05 : 1.75;
@@ -33,7 +33,7 @@ std::vector<LoadedView> DemoViews(int n) {
     view.camera.cx = 0.5 * kWidth, view.camera.cy = 0.5 * kHeight;
     view.camera.cam_from_world.linear() << right.transpose(), down.transpose(), forward.transpose();
     view.camera.cam_from_world.translation() = -(view.camera.cam_from_world.linear() * eye);
-    view.rgb = ToFloat(TraceView(objects, ray_camera, 2, i).rgb);
+    view.rgb = ToFloat(TraceView(world, ray_camera, 2, i).rgb);
     views.push_back(std::move(view));
   }
   return views;

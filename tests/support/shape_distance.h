@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "oraclegs/demo/raytracer.h"
+#include "oraclegs/demo/demo_kinds.h"
 
 namespace oraclegs {
 

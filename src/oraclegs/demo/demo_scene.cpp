@@ -11,7 +11,6 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/demo/raytracer.h"
 #include "oraclegs/image/codecs.h"
 
 namespace oraclegs {
@@ -21,24 +20,6 @@ namespace fs = std::filesystem;
 
 constexpr char kStage[] = "demo-scene";
 constexpr char kMarker[] = "demo_scene.json";  // written first: marks the folder as a demo scene's
-constexpr Vec3 kTarget{.02, .05, .6};
-
-/// View i of n: a 120 degree arc, every other view from higher up, the radius swinging slowly.
-RayCamera ArcCamera(int i, const DemoSceneOptions& options) {
-  const double along = static_cast<double>(i) / (options.views - 1);
-  const SinCos azimuth = SinCosOfTurns((along - .5) / 3);
-  const double radius = 2.95 + .2 * SinCosOfTurns(1.5 * along).sin;
-  const double height = i % 2 == 0 ? 1.05 : 1.75;
-  RayCamera camera;
-  camera.width = options.width;
-  camera.height = options.height;
-  camera.focal = .92 * options.width;
-  camera.center = {kTarget.x + radius * azimuth.sin, kTarget.y - radius * azimuth.cos, height};
-  camera.forward = Normalized(kTarget - camera.center);
-  camera.right = Normalized(Cross(camera.forward, {0, 0, 1}));
-  camera.down = Cross(camera.forward, camera.right);
-  return camera;
-}
 
 /// Camera-to-world matrix with OpenGL axes (x right, y up, z backward), as in transforms.json.
 nlohmann::json TransformMatrix(const RayCamera& c) {
@@ -84,14 +65,14 @@ void WriteDemoScene(const fs::path& dir, const DemoSceneOptions& options, const 
   ClaimFolder(dir, options);
   listener(StageStarted{kStage});
   const auto start = std::chrono::steady_clock::now();
-  const std::vector<SceneObject> objects = DemoObjects();
+  const RayScene world = DemoWorld(options.kind);
   nlohmann::json scene = {{"camera_model", "PINHOLE"},   {"w", options.width},          {"h", options.height},
                           {"fl_x", .92 * options.width}, {"fl_y", .92 * options.width}, {"cx", .5 * options.width},
                           {"cy", .5 * options.height},   {"integer_depth_scale", .001}};
   for (int i = 0; i < options.views; ++i) {
     ThrowIfInterrupted();
-    const RayCamera camera = ArcCamera(i, options);
-    const RayTracedView view = TraceView(objects, camera, options.samples, i);
+    const RayCamera camera = DemoCamera(options.kind, i, options.views, options.width, options.height);
+    const RayTracedView view = TraceView(world, camera, options.samples, i);
     const std::string image = "images/" + NumberedPng(i), depth = "depth/" + NumberedPng(i);
     WritePng(dir / image, view.rgb);
     WritePng16(dir / depth, options.width, options.height, view.depth);

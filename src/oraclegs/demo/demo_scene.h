@@ -1,21 +1,28 @@
 #pragma once
-// A small ray-traced scene with known truth, for the demo and the end-to-end tests.
+// Small ray-traced scenes with known truth, for the demo, the end-to-end tests and benchmarks.
 
 #include <filesystem>
 
 #include "oraclegs/core/options.h"
 #include "oraclegs/core/progress.h"
+#include "oraclegs/demo/demo_kinds.h"
 
 namespace oraclegs {
 
 struct DemoSceneOptions {
-  int views = 24;    ///< images on an arc around the scene
+  int views = 24;    ///< images
   int width = 320;   ///< pixels
   int height = 240;  ///< pixels
   int samples = 4;   ///< rays per pixel side (samples x samples)
+  DemoKind kind = DemoKind::kRoom;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
+    visit("kind", self.kind,
+          "What is shown: room = textured objects in a room, from an arc, object = objects that touch before plain "
+          "white, from all around, walls = the room with walls of one color each, forward = the room from places side "
+          "by side, all looking the same way, thin = the room with poles, a grating and rings, 1 to 4 pixels thick at "
+          "320 x 240, outdoor = the objects on open ground, houses 10 to 55 units away and a smooth sky");
     visit("demo-views", self.views, "Images to render", Range{2, 1000});
     visit("width", self.width, "Pixels", Range{16, 8192});
     visit("height", self.height, "Pixels", Range{16, 8192});
@@ -23,7 +30,7 @@ struct DemoSceneOptions {
   }
 };
 
-/// Ray-traces textured objects in a room, with soft shadows, occlusions and one mirror ball, and writes
+/// Ray-traces a scene of a kind, with soft shadows, occlusions and one mirror ball, and writes
 /// dir/transforms.json (OpenGL axes, z up, the floor at z = 0), dir/images/NNN.png, dir/depth/NNN.png (16-bit depth
 /// along the optical axis at the pixel's center, in 1/1000 scene unit, 0 = none) and dir/demo_scene.json (the options).
 /// Writes the same bytes on every machine and for any number of threads. Throws RunError when `dir` cannot be written

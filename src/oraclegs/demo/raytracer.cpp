@@ -12,13 +12,16 @@ namespace {
 
 constexpr double kEpsilon = 1e-5;  // scene units a secondary ray starts off its surface
 constexpr double kFar = 1e9;
-constexpr Vec3 kRoomHalf{3.6, 3.3, 1.8};
-constexpr Vec3 kRoomCenter{0, -.7, 1.8};  // the back wall stands at y = 2.6
 
-// The area light hangs just under the ceiling.
+// The lamp hangs just under the ceiling.
 constexpr Vec3 kLightCenter{-.9, -1.0, 3.55};
 constexpr double kLightHalf = .55;
 constexpr Vec3 kLightColor{31, 28, 23.5};
+constexpr Vec3 kToSun{-.42, -.62, .66};
+constexpr double kSunHalf = .03;  // of kToSun's length; a wider sun than ours has softer shadows
+constexpr Vec3 kSunColor{1.5, 1.36, 1.12};
+constexpr Vec3 kHorizon{.52, .68, .92}, kZenith{.03, .12, .48};
+constexpr Vec3 kBackdrop{2, 2, 2};           // white after the tone curve
 constexpr Vec3 kSkyLight{.46, .50, .60};     // ambient on what faces up
 constexpr Vec3 kBounceLight{.34, .26, .20};  // and on what faces down
 constexpr double kContactReach = .9;         // scene units within which a neighbor darkens the ambient light
@@ -53,8 +56,8 @@ double Unit(uint32_t bits) { return bits * 0x1.0p-32; }
 
 class Tracer {
  public:
-  Tracer(const std::vector<SceneObject>& objects, const RayCamera& camera, int samples, int view)
-      : objects_(objects), camera_(camera), samples_(samples), view_(view) {}
+  Tracer(const RayScene& scene, const RayCamera& camera, int samples, int view)
+      : objects_(scene.objects), around_(scene.around), camera_(camera), samples_(samples), view_(view) {}
 
   Vec3 Pixel(int x, int y) const {
     Vec3 sum;
@@ -98,8 +101,19 @@ class Tracer {
     return {camera_.center, Normalized(x * camera_.right + y * camera_.down + camera_.forward)};
   }
 
-  static bool SeesLight(const Ray& ray, double t_surface) {
-    if (ray.direction.z <= 0) return false;
+  Vec3 Background(const Vec3& direction) const {
+    switch (around_) {
+      case Surroundings::kWhite:
+        return kBackdrop;
+      case Surroundings::kSky:
+        return Mix(kHorizon, kZenith, Clamp01(2 * direction.z));
+      default:
+        return {};
+    }
+  }
+
+  bool SeesLamp(const Ray& ray, double t_surface) const {
+    if (around_ == Surroundings::kSky || ray.direction.z <= 0) return false;
     const double t = (kLightCenter.z - ray.origin.z) / ray.direction.z;
     const Vec3 p = ray.origin + t * ray.direction - kLightCenter;
     return t > 0 && t < t_surface && std::abs(p.x) < kLightHalf && std::abs(p.y) < kLightHalf;
@@ -107,11 +121,13 @@ class Tracer {
 
   Vec3 Radiance(const Ray& ray, const Jitter& jitter, int bounces) const {
     const Hit hit = Nearest(objects_, ray);
-    if (SeesLight(ray, hit.at.t)) return {6, 5.8, 5.4};
-    if (hit.object == nullptr) return {};
+    if (SeesLamp(ray, hit.at.t)) return {6, 5.8, 5.4};
+    if (hit.object == nullptr) return Background(ray.direction);
     const Vec3 point = ray.origin + hit.at.t * ray.direction;
     const Vec3 albedo = Albedo(hit.object->texture, hit.at.local, hit.at.local_normal, hit.object->shape.size);
-    const Vec3 matt = albedo * (DirectLight(point, hit.at.normal, jitter) + AmbientLight(point, hit.at.normal, jitter));
+    const Vec3 direct = around_ == Surroundings::kSky ? SunLight(point, hit.at.normal, jitter)
+                                                      : LampLight(point, hit.at.normal, jitter);
+    const Vec3 matt = albedo * (direct + AmbientLight(point, hit.at.normal, jitter));
     if (hit.object->mirror == 0 || bounces == 0) return matt;
     const double cosine = -Dot(hit.at.normal, ray.direction);
     const double rest = 1 - cosine, rest2 = rest * rest;
@@ -120,7 +136,7 @@ class Tracer {
     return matt + share * Radiance({point, Normalized(direction)}, jitter, bounces - 1);
   }
 
-  Vec3 DirectLight(const Vec3& point, const Vec3& normal, const Jitter& jitter) const {
+  Vec3 LampLight(const Vec3& point, const Vec3& normal, const Jitter& jitter) const {
     const Vec3 on_light =
         kLightCenter + Vec3{(2 * jitter.light_u - 1) * kLightHalf, (2 * jitter.light_v - 1) * kLightHalf, 0};
     const Vec3 to_light = on_light - point;
@@ -131,6 +147,14 @@ class Tracer {
     if (Blocked(objects_, {point, direction}, distance - kEpsilon)) return {};
     constexpr double kArea = 4 * kLightHalf * kLightHalf;
     return kLightColor * (kArea * facing * direction.z / distance2 * .318309886183790671538);
+  }
+
+  Vec3 SunLight(const Vec3& point, const Vec3& normal, const Jitter& jitter) const {
+    const Vec3 direction =
+        Normalized(kToSun + Vec3{(2 * jitter.light_u - 1) * kSunHalf, (2 * jitter.light_v - 1) * kSunHalf, 0});
+    const double facing = Dot(direction, normal);
+    if (facing <= 0 || Blocked(objects_, {point, direction}, kFar)) return {};
+    return kSunColor * facing;
   }
 
   Vec3 AmbientLight(const Vec3& point, const Vec3& normal, const Jitter& jitter) const {
@@ -149,35 +173,18 @@ class Tracer {
   }
 
   const std::vector<SceneObject>& objects_;
+  Surroundings around_;
   const RayCamera& camera_;
   int samples_, view_;
 };
 
 }  // namespace
 
-std::vector<SceneObject> DemoObjects() {
-  const auto on_floor = [](ShapeKind kind, const Vec3& size, double x, double y, double yaw) {
-    const double height = kind == ShapeKind::kSphere ? size.x : (kind == ShapeKind::kTorus ? size.y : size.z);
-    return MakeSolid(kind, size, {x, y, height}, yaw);
-  };
-  std::vector<SceneObject> objects;
-  objects.push_back({on_floor(ShapeKind::kSphere, {.36, 0, 0}, .42, -.42, .1), Texture::kGlaze, .32});
-  objects.push_back({on_floor(ShapeKind::kBox, {.42, .36, .34}, -.48, .22, .07), Texture::kCrate, 0});
-  objects.push_back({MakeSolid(ShapeKind::kBox, {.2, .2, .2}, {-.58, .26, .88}, .21), Texture::kQuilt, 0});
-  objects.push_back({on_floor(ShapeKind::kCylinder, {.25, 0, .62}, .62, .62, .03), Texture::kTiles, 0});
-  objects.push_back({MakeSolid(ShapeKind::kSphere, {.22, 0, 0}, {.62, .62, 1.46}, .3, .1), Texture::kCandy, 0});
-  objects.push_back({on_floor(ShapeKind::kTorus, {.27, .125, 0}, -.42, -.72, .15), Texture::kDonut, 0});
-  objects.push_back({on_floor(ShapeKind::kSphere, {.27, 0, 0}, 1.22, .02, .4), Texture::kMarble, 0});
-  objects.push_back({MakeSolid(ShapeKind::kSphere, {.2, 0, 0}, {-1.22, -.3, .2}, .2, .3), Texture::kCandy, 0});
-  objects.push_back({MakeSolid(ShapeKind::kRoom, kRoomHalf, kRoomCenter), Texture::kRoom, 0});
-  return objects;
-}
-
-RayTracedView TraceView(const std::vector<SceneObject>& objects, const RayCamera& camera, int samples, int view) {
+RayTracedView TraceView(const RayScene& scene, const RayCamera& camera, int samples, int view) {
   const int width = camera.width, height = camera.height;
   const size_t pixels = static_cast<size_t>(width) * height;
   RayTracedView out{{width, height, 3, std::vector<uint8_t>(3 * pixels)}, std::vector<uint16_t>(pixels)};
-  const Tracer tracer(objects, camera, samples, view);
+  const Tracer tracer(scene, camera, samples, view);
   ParallelFor(height, [&](int64_t y) {
     for (int x = 0; x < width; ++x) {
       const Vec3 color = tracer.Pixel(x, static_cast<int>(y));

@@ -1,5 +1,5 @@
 #pragma once
-// A small Whitted-style ray tracer: one area light, ambient light with contact shadows, one mirror bounce.
+// A small Whitted-style ray tracer: one light with an area, ambient light with contact shadows, one mirror bounce.
 
 #include <cstdint>
 #include <vector>
@@ -16,8 +16,17 @@ struct SceneObject {
   double mirror = 0;  ///< share of light reflected at normal incidence; 0 = matt
 };
 
-/// The objects of the demo scene; z is up, the floor is z = 0, the room's inside is about 7 units wide.
-std::vector<SceneObject> DemoObjects();
+/// Where the light comes from, and what is where no object is.
+enum class Surroundings {
+  kRoom,   ///< a lamp under the ceiling; black
+  kWhite,  ///< the same lamp; plain white
+  kSky,    ///< the sun; a blue that grows paler toward the horizon
+};
+
+struct RayScene {
+  std::vector<SceneObject> objects;
+  Surroundings around = Surroundings::kRoom;
+};
 
 /// A pinhole camera for rays. right, down, forward are orthonormal (the camera frame of camera/camera.h).
 struct RayCamera {
@@ -33,6 +42,6 @@ struct RayTracedView {
 
 /// Traces samples x samples rays a pixel. `view` selects the random numbers. The result does not depend on the number
 /// of threads.
-RayTracedView TraceView(const std::vector<SceneObject>& objects, const RayCamera& camera, int samples, int view);
+RayTracedView TraceView(const RayScene& scene, const RayCamera& camera, int samples, int view);
 
 }  // namespace oraclegs

@@ -4,22 +4,13 @@
 #include <array>
 #include <cmath>
 
+#include "oraclegs/demo/noise.h"
+
 namespace oraclegs {
 namespace {
 
-/// Lattice cell of a coordinate, and the position within it.
-struct Cell {
-  int64_t index;
-  double at;  ///< [0, 1)
-};
-
-Cell CellOf(double v) {
-  const double low = std::floor(v);
-  return {static_cast<int64_t>(low), v - low};
-}
-
 /// Distance to the cell's nearer border, 0 .. 0.5 of a cell.
-double FromBorder(const Cell& cell) { return std::min(cell.at, 1 - cell.at); }
+double FromBorder(const LatticeCell& cell) { return std::min(cell.at, 1 - cell.at); }
 
 template <size_t N>
 Vec3 Pick(const std::array<Vec3, N>& palette, double u) {
@@ -35,7 +26,7 @@ constexpr std::array<Vec3, 5> kSprinkles{
 
 /// Round flecks, at most one a cell; `found` is its color's random number, below 0 where there is none.
 double Fleck(double u, double v, double density, uint32_t seed) {
-  const Cell cu = CellOf(u), cv = CellOf(v);
+  const LatticeCell cu = CellOf(u), cv = CellOf(v);
   const auto random = [&](int k) { return LatticeNoise(cu.index, cv.index, k, seed); };
   if (random(0) > density) return -1;
   const double radius = .16 + .2 * random(1);
@@ -46,7 +37,7 @@ double Fleck(double u, double v, double density, uint32_t seed) {
 }
 
 Vec3 Floor(double u, double v) {
-  const Cell cu = CellOf(u / .5), cv = CellOf(v / .5);
+  const LatticeCell cu = CellOf(u / .5), cv = CellOf(v / .5);
   const bool dark = ((cu.index + cv.index) & 1) != 0;
   Vec3 color = dark ? Vec3{.27, .11, .07} : Vec3{.66, .56, .42};
   color = color * (.8 + .4 * LatticeNoise(cu.index, cv.index, 1, 11));
@@ -60,8 +51,8 @@ Vec3 Floor(double u, double v) {
 }
 
 Vec3 Brick(double u, double v) {
-  const Cell row = CellOf(v / .16);
-  const Cell col = CellOf(u / .42 + ((row.index & 1) != 0 ? .5 : 0.));
+  const LatticeCell row = CellOf(v / .16);
+  const LatticeCell col = CellOf(u / .42 + ((row.index & 1) != 0 ? .5 : 0.));
   const double tint = LatticeNoise(col.index, row.index, 2, 21);
   Vec3 brick = Mix(Vec3{.46, .15, .09}, Vec3{.66, .34, .20}, tint);
   if (LatticeNoise(col.index, row.index, 3, 21) < .12) brick = {.22, .12, .11};
@@ -73,7 +64,7 @@ Vec3 Brick(double u, double v) {
 
 /// Diamonds in two blues with a motif in each.
 Vec3 Wallpaper(double u, double v, const Vec3& a, const Vec3& b) {
-  const Cell p = CellOf((u + v) / .44), q = CellOf((u - v) / .44);
+  const LatticeCell p = CellOf((u + v) / .44), q = CellOf((u - v) / .44);
   const double du = p.at - .5, dv = q.at - .5;
   const double r2 = du * du + dv * dv;
   Vec3 color = ((p.index + q.index) & 1) != 0 ? a : b;
@@ -85,11 +76,11 @@ Vec3 Wallpaper(double u, double v, const Vec3& a, const Vec3& b) {
 
 /// Hash-colored patches, some of them cut into smaller ones, worn by noise.
 Vec3 Quilt(double u, double v, double patch, uint32_t seed) {
-  const Cell cu = CellOf(u / patch), cv = CellOf(v / patch);
+  const LatticeCell cu = CellOf(u / patch), cv = CellOf(v / patch);
   const double kind = LatticeNoise(cu.index, cv.index, 0, seed);
   Vec3 color = Pick(kBright, LatticeNoise(cu.index, cv.index, 1, seed));
   if (kind < .45) {
-    const Cell fu = CellOf(3 * u / patch), fv = CellOf(3 * v / patch);
+    const LatticeCell fu = CellOf(3 * u / patch), fv = CellOf(3 * v / patch);
     color = Mix(color, Pick(kBright, LatticeNoise(fu.index, fv.index, 2, seed)), .9);
   } else if (kind < .75) {
     const double du = cu.at - .5, dv = cv.at - .5, r2 = du * du + dv * dv;
@@ -168,9 +159,9 @@ Vec3 Crate(const Vec3& p, const Vec3& n, const Vec3& size) {
     return upright ? Wood(f.v, f.u, f.u > 0 ? 11 : 12, f.face) * .8 : Wood(f.u, f.v, f.v > 0 ? 13 : 14, f.face) * .8;
   }
   if (std::min(du, dv) < kFrame + kGap) return {.04, .03, .02};
-  const Cell plank = CellOf(f.v / .13);
+  const LatticeCell plank = CellOf(f.v / .13);
   if (FromBorder(plank) * .13 < kGap) return {.04, .03, .02};
-  const Cell su = CellOf(f.u / .035 + .5), sv = CellOf(f.v / .035 + .5);
+  const LatticeCell su = CellOf(f.u / .035 + .5), sv = CellOf(f.v / .035 + .5);
   const bool stencil = std::abs(f.u) < .15 && std::abs(f.v) < .12 && LatticeNoise(su.index, sv.index, f.face, 74) < .45;
   const Vec3 wood = Wood(f.u, f.v, plank.index, f.face);
   return stencil ? Mix(wood, Vec3{.06, .07, .10}, .8) : wood;
@@ -178,7 +169,7 @@ Vec3 Crate(const Vec3& p, const Vec3& n, const Vec3& size) {
 
 Vec3 Marble(const Vec3& p) {
   const double warp = FractalNoise(p * 5, 5, 81);
-  const Cell vein = CellOf(2.2 * (p.x + .6 * p.y + .8 * p.z) + 3.2 * warp);
+  const LatticeCell vein = CellOf(2.2 * (p.x + .6 * p.y + .8 * p.z) + 3.2 * warp);
   const double line = Smoothstep(.0, .16, FromBorder(vein));
   const Vec3 stone = Mix(Vec3{.30, .46, .42}, Vec3{.86, .86, .80}, FractalNoise(p * 8, 5, 82) * 1.3 - .1);
   return Mix(Vec3{.07, .16, .15}, stone, .15 + .85 * line);
@@ -229,8 +220,8 @@ double Around(double x, double y) {
 
 Vec3 Tiles(const Vec3& p, const Vec3& n) {
   if (std::abs(n.z) > .5) return Quilt(p.x, p.y, .09, 101);
-  const Cell row = CellOf(p.z / .17);
-  const Cell col = CellOf(Around(p.x, p.y) * 3);
+  const LatticeCell row = CellOf(p.z / .17);
+  const LatticeCell col = CellOf(Around(p.x, p.y) * 3);
   if (FromBorder(row) < .05 || FromBorder(col) < .05) return {.80, .77, .70};
   Vec3 base = (row.index & 1) != 0 ? Vec3{.12, .26, .50} : Vec3{.86, .80, .66};
   const Vec3 ink = (row.index & 1) != 0 ? Vec3{.90, .78, .40} : Vec3{.62, .18, .12};
@@ -257,7 +248,7 @@ Vec3 Donut(const Vec3& p, const Vec3& size) {
   const double drip = .05 * FractalNoise({p.x * 9, p.y * 9, 0}, 2, 111) - .03;
   const double speck = FractalNoise(p * 22, 3, 113);
   if (p.z < drip) return Mix(Vec3{.36, .18, .06}, Vec3{.82, .54, .25}, Clamp01(1.6 * speck - .3));
-  const Cell cu = CellOf(p.x / .052), cv = CellOf(p.y / .052);
+  const LatticeCell cu = CellOf(p.x / .052), cv = CellOf(p.y / .052);
   const auto random = [&](int k) { return LatticeNoise(cu.index, cv.index, k, 112); };
   if (random(0) < .75 && p.z > drip + .02 * size.y) {
     const SinCos turn = SinCosOfTurns(random(1));
@@ -274,44 +265,44 @@ Vec3 Glaze(const Vec3& p) {
   return ValueNoise(p * 30, 122) > .80 ? Vec3{.80, .58, .22} : color;
 }
 
+Vec3 Paint(const Vec3& n) {
+  if (n.z < -.5) return {.52, .42, .33};
+  if (n.z > .5) return {.74, .72, .68};
+  if (n.y > .5) return {.80, .74, .60};
+  return n.x < 0 ? Vec3{.42, .60, .66} : Vec3{.74, .56, .42};
+}
+
+/// Patches from a hand's width to a house's.
+Vec3 Ground(double u, double v) {
+  const double patch = FractalNoise({u / 7, v / 7, 0}, 6, 141);
+  Vec3 color = Mix(Vec3{.40, .29, .17}, Vec3{.17, .29, .08}, Smoothstep(.44, .56, patch));
+  color = color * (.35 + 1.3 * FractalNoise({u * 4, v * 4, 0}, 5, 142));
+  for (const double scale : {.5, .13}) {
+    const double stone = Fleck(u / scale, v / scale, .35, 143);
+    if (stone >= 0) color = Mix(color, Pick(kChips, stone), .7);
+  }
+  return color;
+}
+
+Vec3 House(const Vec3& p, const Vec3& n, const Vec3& size) {
+  const FacePoint f = OnFace(p, n, size);
+  const auto random = [&](int64_t i, int64_t j, uint32_t k) { return LatticeNoise(i, j, f.face, 151 + k); };
+  if (std::abs(n.z) > .5) return Brick(f.u / 3, f.v / 3);
+  const double of_house = LatticeNoise(static_cast<int64_t>(100 * size.x), static_cast<int64_t>(100 * size.z), 0, 150);
+  const LatticeCell cu = CellOf(f.u / 1.1), cv = CellOf((f.v + f.half_v) / 1.5);
+  const double du = std::abs(cu.at - .5), dv = std::abs(cv.at - .5);
+  if (du < .24 && dv < .28) {
+    const Vec3 pane = Mix(Vec3{.04, .06, .09}, Vec3{.62, .66, .66}, random(cu.index, cv.index, 1));
+    const Vec3 blind = Pick(kBright, random(cu.index, cv.index, 2));
+    return cv.at - .22 > .56 * random(cu.index, cv.index, 3) ? blind : pane;
+  }
+  if (du < .30 && dv < .35) return {.86, .84, .78};
+  if (FromBorder(cv) < .05) return Vec3{.30, .26, .22};
+  const Vec3 plaster = Mix(Pick(kBright, of_house), Vec3{.72, .66, .56}, .55);
+  return plaster * (.3 + 1.3 * FractalNoise({f.u * 1.3, f.v * 1.3, 9 * of_house}, 5, 154));
+}
+
 }  // namespace
-
-double LatticeNoise(int64_t x, int64_t y, int64_t z, uint32_t seed) {
-  uint32_t h = seed * 0x9E3779B1u + 0x7F4A7C15u;
-  for (const int64_t v : {x, y, z}) {
-    h ^= static_cast<uint32_t>(v) * 0x85EBCA6Bu;
-    h = (h ^ (h >> 15)) * 0x2C1B3C6Du;
-    h ^= h >> 13;
-  }
-  h = (h ^ (h >> 12)) * 0x297A2D39u;
-  return (h >> 8) * 0x1.0p-24;
-}
-
-double ValueNoise(const Vec3& p, uint32_t seed) {
-  const Cell x = CellOf(p.x), y = CellOf(p.y), z = CellOf(p.z);
-  const auto fade = [](double t) { return t * t * (3 - 2 * t); };
-  const double fx = fade(x.at), fy = fade(y.at), fz = fade(z.at);
-  const auto layer = [&](int64_t k) {
-    const auto row = [&](int64_t j) {
-      return Mix(LatticeNoise(x.index, y.index + j, z.index + k, seed),
-                 LatticeNoise(x.index + 1, y.index + j, z.index + k, seed), fx);
-    };
-    return Mix(row(0), row(1), fy);
-  };
-  return fz == 0 ? layer(0) : Mix(layer(0), layer(1), fz);
-}
-
-double FractalNoise(const Vec3& p, int octaves, uint32_t seed) {
-  double sum = 0, weight = 0, strength = 1, scale = 1;
-  for (int i = 0; i < octaves; ++i) {
-    // Whole-number scales keep a coordinate that is 0 on the lattice, where half of the work falls away.
-    sum += strength * ValueNoise(p * scale, seed + 17 * static_cast<uint32_t>(i));
-    weight += strength;
-    strength *= .6;
-    scale *= 2;
-  }
-  return sum / weight;
-}
 
 Vec3 Albedo(Texture texture, const Vec3& point, const Vec3& normal, const Vec3& size) {
   Vec3 color;
@@ -341,6 +332,15 @@ Vec3 Albedo(Texture texture, const Vec3& point, const Vec3& normal, const Vec3& 
       break;
     case Texture::kGlaze:
       color = Glaze(point);
+      break;
+    case Texture::kPaint:
+      color = Paint(normal);
+      break;
+    case Texture::kGround:
+      color = Ground(point.x, point.y);
+      break;
+    case Texture::kHouse:
+      color = House(point, normal, size);
       break;
   }
   return {Clamp01(color.x), Clamp01(color.y), Clamp01(color.z)};

@@ -1,8 +1,6 @@
 #pragma once
-// The textures of the demo scene. Every texture has detail from half a meter down to a centimeter, so that
+// The textures of the demo scenes. Every texture but paint has detail from half a unit down to a hundredth, so that
 // feature matching finds something on every surface at 320 x 240.
-
-#include <cstdint>
 
 #include "oraclegs/demo/vec3.h"
 
@@ -17,17 +15,13 @@ enum class Texture {
   kTiles,   ///< bands of tiles around z
   kDonut,   ///< dough, icing, sprinkles
   kGlaze,   ///< color of the mirror ball under its reflection
+  kPaint,   ///< one color for each side of the room
+  kGround,  ///< grass, earth and stones around z
+  kHouse,   ///< windows in plaster, tiles on the roof; of another color for each size
 };
 
 /// Linear RGB albedo in [0, 1] of a point in its shape's frame. `normal` is the outward normal there, `size` the
 /// shape's size.
 Vec3 Albedo(Texture texture, const Vec3& point, const Vec3& normal, const Vec3& size);
-
-/// Uniform in [0, 1) at every lattice point, a pure function of integers.
-double LatticeNoise(int64_t x, int64_t y, int64_t z, uint32_t seed);
-/// Smooth noise in [0, 1) with one lump per unit.
-double ValueNoise(const Vec3& p, uint32_t seed);
-/// Sum of `octaves` of ValueNoise, each twice as fine and half as strong, in [0, 1).
-double FractalNoise(const Vec3& p, int octaves, uint32_t seed);
 
 }  // namespace oraclegs
