@@ -4,8 +4,7 @@
 Scenes are made in OUT/scenes and runs in OUT/runs; the same command goes on where it was stopped, and more kinds may be asked
 for. Of each kind the table has, of stereo at the training views, the median error of confident pixels and how many are
 confident; of the splat at the test views PSNR, SSIM, the share of pixels whose depth is off by more than 2 and 10 %, and haze:
-the share of the blending weight that lies at least 2 % before or behind the true depth (bench/truth_bench.cpp). The object is
-trained before white. With --before, the differences from the runs of another folder stand in brackets.
+the share of the blending weight that lies at least 2 % before or behind the true depth (bench/truth_bench.cpp). With --before, the differences from the runs of another folder stand in brackets.
 
   bench/kinds.py OUT                                                # all kinds, 8 of 24 views of 320 x 240
   bench/kinds.py OUT --before OUT_BEFORE                            # a change against runs of the program before it
@@ -22,7 +21,6 @@ from pathlib import Path
 
 BIN = Path(__file__).resolve().parent.parent / "build/release/bin/oraclegs"
 KINDS = "room,object,walls,forward,thin,outdoor"
-OPTIONS = {"object": ["--background", "white"]}  # as for lego and mic; on black, Gaussians would have to paint the white
 NUMBER = r" +(\S+) %"
 STEREO = re.compile(rf"^stereo +all +confident{NUMBER} +median error{NUMBER}", re.M)
 SPLAT = re.compile(rf"^splat +all .* over 2 %{NUMBER} +over 10 %{NUMBER} +haze before{NUMBER} +behind{NUMBER}", re.M)
@@ -50,7 +48,7 @@ def reconstruct(out, kind, options):
         if not run(options.program, "demo-scene", scene, "--quiet", "--kind", kind, *shlex.split(options.scene)):
             return False
     return run(options.program, "reconstruct", scene, "-o", out / "runs" / kind, "--quiet", "--eval", "--views", options.views,
-               *OPTIONS.get(kind, []), *shlex.split(options.options))  # fmt: skip
+               *shlex.split(options.options))  # fmt: skip
 
 
 def truth_of(text):

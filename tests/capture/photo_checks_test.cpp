@@ -62,6 +62,48 @@ TEST_F(PhotoChecksTest, NamesEachTrouble) {
                           HasSubstr("wide.jpg: is a panorama"), HasSubstr("screen.png: looks like a screenshot")));
 }
 
+/// Blocks in the middle of an image that is `level` elsewhere.
+Image8 Before(uint8_t level, uint32_t seed) {
+  Image8 image{320, 240, 3, std::vector<uint8_t>(320 * 240 * 3, level)};
+  const Image8 object = Blocks(120, 100, seed);
+  for (size_t y = 0; y < 100; ++y)
+    std::copy_n(object.data.begin() + 360 * static_cast<int>(y), 360,
+                image.data.begin() + 3 * (320 * (70 + static_cast<int>(y)) + 100));
+  return image;
+}
+
+TEST_F(PhotoChecksTest, ABackdropIsNeitherTooBrightNorTooDark) {
+  for (uint32_t i = 0; i < 4; ++i) Add(fmt::format("{}.jpg", i), Before(255, i * 1000003u));
+  EXPECT_THAT(Check(), IsEmpty());
+  photos_.clear();
+  for (uint32_t i = 0; i < 4; ++i) Add(fmt::format("{}.jpg", i), Before(0, i * 1000003u));
+  EXPECT_THAT(Check(), IsEmpty());
+  Add("room.jpg", Blocks(320, 240, 5));
+  EXPECT_THAT(Check(), ElementsAre(HasSubstr("0.jpg, 1.jpg, 2.jpg, 3.jpg: are almost black")));
+}
+
+TEST_F(PhotoChecksTest, FindsWhatStandsBeforeWhite) {
+  const auto on_white = [&](const std::vector<std::string>& names) {
+    std::vector<std::filesystem::path> paths;
+    for (const std::string& name : names) paths.push_back(dir_ / name);
+    return AreOnWhite(paths);
+  };
+  for (uint32_t i = 0; i < 3; ++i) Add(fmt::format("{}.jpg", i), Before(255, i * 1000003u));
+  Add("black.jpg", Before(0, 7)), Add("gray.jpg", Before(240, 7));
+  Add("white.jpg", {320, 240, 3, std::vector<uint8_t>(320 * 240 * 3, 255)});
+  EXPECT_TRUE(on_white({"0.jpg", "1.jpg", "2.jpg"}));
+  EXPECT_TRUE(on_white({"0.jpg"}));
+  EXPECT_FALSE(on_white({"0.jpg", "1.jpg", "black.jpg"})) << "the last one";
+  EXPECT_FALSE(on_white({"0.jpg", "gray.jpg", "2.jpg"})) << "the middle one";
+  EXPECT_FALSE(on_white({"white.jpg", "0.jpg", "1.jpg"})) << "the first one shows nothing";
+  EXPECT_FALSE(on_white({"0.jpg", "1.jpg", "missing.jpg"}));
+  EXPECT_FALSE(on_white({}));
+  Image8 transparent{8, 8, 4, std::vector<uint8_t>(8 * 8 * 4, 255)};
+  transparent.data[4 * 27] = 0;
+  WritePng(dir_ / "transparent.png", transparent);
+  EXPECT_FALSE(on_white({"transparent.png"}));
+}
+
 TEST_F(PhotoChecksTest, KnowsSphericalImagesByTheirMetadata) {
   const std::string jpeg = EncodeJpeg(Blocks(320, 240, 1));
   const std::string xmp = "http://ns.adobe.com/xap/1.0/ GPano:ProjectionType=\"equirectangular\"";

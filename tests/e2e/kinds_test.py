@@ -63,8 +63,7 @@ class Kinds(unittest.TestCase):
         for kind in ("room", "object", "walls", "forward", "thin", "outdoor"):
             scene = self.folder / "out/scenes" / kind
             self.assertIn(f"demo-scene {scene} --quiet --kind {kind} --width 80", self.words())
-            white = "--background white " if kind == "object" else ""
-            words = f"reconstruct {scene} -o {self.folder}/out/runs/{kind} --quiet --eval --views 8 {white}--seed 3"
+            words = f"reconstruct {scene} -o {self.folder}/out/runs/{kind} --quiet --eval --views 8 --seed 3"
             self.assertIn(words, self.words())
         self.assertEqual(len(self.words()), 12)
         self.assertEqual(len(out.splitlines()), 8)

@@ -17,7 +17,7 @@ class RunSize(EndToEnd):
         cls.scene, cls.run_folder = cls.dir / "large", cls.dir / "run"
         size = ["--demo-views", 6, "--width", WIDTH, "--height", 480, "--samples", 1]
         subprocess.run(command("demo-scene", cls.scene, "--quiet", *size), check=True)
-        few = ["--iterations", 40, "--max-gaussians", 3000, "--init", "random", "--proposers", "none", "--no-report"]
+        cls.few = few = ["--iterations", 40, "--max-gaussians", 3000, "--init", "random", "--proposers", "none", "--no-report"]
         subprocess.run(command("reconstruct", cls.scene, "-o", cls.run_folder, "--quiet", "--quality", "draft", "--eval", *few), check=True)
 
     def widths(self, folder):
@@ -53,6 +53,18 @@ class RunSize(EndToEnd):
 
     def test_other_options_than_the_size_are_refused(self):
         self.error_of("render", self.run_folder, "--downscale", 3, code=3, names=["--downscale was auto, now is 3"])
+
+    def test_what_stands_before_white_is_trained_on_white(self):
+        scene = self.dir / "object"
+        size = ["--demo-views", 6, "--width", 120, "--height", 90, "--samples", 1]
+        subprocess.run(command("demo-scene", scene, "--quiet", "--kind", "object", *size), check=True)
+        run = self.dir / "on_white"
+        said = self.run_program("reconstruct", scene, "-o", run, "--eval", *self.few)
+        self.assertIn("a white background (--background)", said.stderr)
+        self.assertEqual(json.loads((run / "options.json").read_text())["size"]["background"], "white")
+        self.run_program("render", run, "-o", self.dir / "white", "--path", "test", "--no-video")
+        for file in (self.dir / "white").glob("*.png"):
+            self.assertEqual(set(read_png(file)[3][:3]), {255}, "the corner")
 
 
 if __name__ == "__main__":

@@ -4,6 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "oraclegs/image/codecs.h"
+#include "support/temp_dir.h"
+
 namespace oraclegs {
 namespace {
 
@@ -92,14 +95,39 @@ TEST(WithSize, TrainsToTheHorizon) {
   EXPECT_EQ(WithSize(asked, kPhones, {false}).train.iterations, 30000);
 }
 
+TEST(WithBackground, IsWhiteBehindWhatStandsBeforeWhite) {
+  const TempDir dir;
+  Image8 photo{64, 48, 3, std::vector<uint8_t>(64 * 48 * 3, 255)};
+  for (size_t i = 0; i < 64; ++i) photo.data[3 * (64 * 24) + i] = 90;
+  Scene scene;
+  scene.views.resize(2);
+  for (SceneView& view : scene.views) view.image_path = dir / "photo.png";
+  WritePng(dir / "photo.png", photo);
+  const RunOptions white = WithBackground({}, scene);
+  EXPECT_EQ(white.image.background, Background::kWhite);
+  EXPECT_NE(DescribeSize({}, WithSize(white, kPhones, {false}), kPhones).find("a white background (--background)"),
+            std::string::npos);
+  EXPECT_EQ(WithSavedSize({}, SizeToJson(WithSize(white, kPhones, {false}))).image.background, Background::kWhite);
+  RunOptions asked;
+  asked.image.background = Background::kGray;
+  EXPECT_EQ(WithBackground(asked, scene).image.background, Background::kGray);
+  scene.views[1].mask_path = dir / "mask.png";
+  EXPECT_EQ(WithBackground({}, scene).image.background, Background::kBlack);
+  scene.views[1].mask_path.clear();
+  std::fill_n(photo.data.begin(), 3 * 64 * 10, uint8_t{40});
+  WritePng(dir / "photo.png", photo);
+  EXPECT_EQ(WithBackground({}, scene).image.background, Background::kBlack);
+}
+
 TEST(SavedSize, IsWhatWasSettled) {
-  const RunOptions settled = WithSize(On(Quality::kDraft), kPhones, {false});
+  const RunOptions settled = WithSize(WithBackground(On(Quality::kDraft), {}), kPhones, {false});
   const RunOptions again = WithSize(WithSavedSize(On(Quality::kDraft), SizeToJson(settled)), kPhones, {true});
   EXPECT_EQ(RunOptionsToJson(again), RunOptionsToJson(settled));
 }
 
 TEST(SavedSize, IgnoresDamage) {
-  const nlohmann::json damaged = {{"max-size", "large"}, {"iterations", nullptr}, {"proposers", "nobody"}};
+  const nlohmann::json damaged = {
+      {"max-size", "large"}, {"iterations", nullptr}, {"proposers", "nobody"}, {"background", "pink"}};
   EXPECT_EQ(RunOptionsToJson(WithSavedSize({}, damaged)), RunOptionsToJson({}));
   EXPECT_EQ(RunOptionsToJson(WithSavedSize({}, nullptr)), RunOptionsToJson({}));
 }

@@ -27,8 +27,10 @@ constexpr size_t kMetadataBytes = 256 * 1024;  // XMP stands near the start
 constexpr double kBlurredShare = .3;
 constexpr double kBlurredSharpness = 2e-3;  // less detail than this has no photo in focus, whatever it shows
 constexpr size_t kMinForMedian = 4;
-constexpr double kMinPanorama = 2.5;  // width by height; film is up to 2.4
-constexpr double kAlikeLevels = 1.2;  // mean difference of gray levels of two photos from one place
+constexpr int kBlack = 4, kWhite = 251;  // gray levels at and beyond which a pixel is one of them
+constexpr double kPlainBorder = .9;      // of an image's border: an object stands before a plain background
+constexpr double kMinPanorama = 2.5;     // width by height; film is up to 2.4
+constexpr double kAlikeLevels = 1.2;     // mean difference of gray levels of two photos from one place
 
 /// As phones' screens are: 16:9 to 22:9.
 bool IsPhoneScreen(int width, int height) {
@@ -41,6 +43,25 @@ double Difference(const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0;
   for (size_t i = 0; i < a.size(); ++i) sum += std::abs(a[i] - b[i]);
   return sum / static_cast<double>(a.size());
+}
+
+void AddBorder(const Image8& gray, PhotoSigns* signs) {
+  int64_t pixels = 0, dark = 0, bright = 0;
+  for (int y = 0; y < gray.height; ++y) {
+    const bool is_end = y == 0 || y == gray.height - 1;
+    for (int x = 0; x < gray.width; x += is_end || gray.width == 1 ? 1 : gray.width - 1) {
+      const uint8_t level =
+          gray.data[static_cast<size_t>(y) * static_cast<size_t>(gray.width) + static_cast<size_t>(x)];
+      ++pixels, dark += level <= kBlack, bright += level >= kWhite;
+    }
+  }
+  signs->dark_border = static_cast<double>(dark) / static_cast<double>(pixels);
+  signs->bright_border = static_cast<double>(bright) / static_cast<double>(pixels);
+}
+
+/// Whether all photos have this border.
+bool AllHave(double PhotoSigns::*border, const std::vector<PhotoSigns>& signs) {
+  return std::all_of(signs.begin(), signs.end(), [=](const PhotoSigns& s) { return s.*border >= kPlainBorder; });
 }
 
 /// Adds "NAMES: what" when there are names.
@@ -60,14 +81,15 @@ PhotoSigns ReadSigns(const std::filesystem::path& path) {
     const double level = gray.data[i];
     sum += level;
     squares += level * level;
-    signs.dark += level <= 4;
-    signs.bright += level >= 251;
+    signs.dark += level <= kBlack;
+    signs.bright += level >= kWhite;
     equal += i > 0 && gray.data[i] == gray.data[i - 1];
   }
   signs.mean = sum / pixels;
   signs.dark /= pixels;
   signs.bright /= pixels;
   signs.flat = equal / pixels;
+  AddBorder(gray, &signs);
   signs.sharpness = Sharpness(gray) / (squares / pixels - signs.mean * signs.mean + 25);
   const ImageF small = ResizeArea(ToFloat(gray), kSignatureSide, kSignatureSide);
   for (const float value : small.data) signs.signature.push_back(255.0 * value);
@@ -86,12 +108,15 @@ std::vector<std::string> DescribeTrouble(const std::vector<std::string>& names, 
   std::vector<double> sharpness;
   for (const PhotoSigns& s : signs) sharpness.push_back(s.sharpness);
   const double usual = sharpness.size() >= kMinForMedian ? UpperMedian(sharpness) : 0;
+  const bool before_black = AllHave(&PhotoSigns::dark_border, signs),
+             before_white = AllHave(&PhotoSigns::bright_border, signs);
   std::vector<std::string> blurred, dark, bright, panoramas, screenshots, alike;
   for (size_t i = 0; i < signs.size(); ++i) {
     const PhotoSigns& s = signs[i];
     if (s.is_screenshot) screenshots.push_back(names[i]);
     if (s.is_panorama && !s.is_screenshot) panoramas.push_back(names[i]);
-    const bool is_dark = s.mean < 20 || s.dark > .7, is_bright = s.mean > 240 || s.bright > .6;
+    const bool is_dark = !before_black && (s.mean < 20 || s.dark > .7);
+    const bool is_bright = !before_white && (s.mean > 240 || s.bright > .6);
     if (is_dark) dark.push_back(names[i]);
     if (is_bright && !s.is_screenshot) bright.push_back(names[i]);
     const bool is_blurred = s.sharpness < kBlurredSharpness || s.sharpness < kBlurredShare * usual;
@@ -151,6 +176,20 @@ PhotoTrouble CheckPhotos(const std::vector<CheckedPhoto>& photos, const Listener
   }
   for (std::string& text : DescribeTrouble(names, readable)) trouble.warnings.push_back(std::move(text));
   return trouble;
+}
+
+bool AreOnWhite(const std::vector<std::filesystem::path>& photos) {
+  if (photos.empty()) return false;
+  try {
+    for (const size_t i : {size_t{0}, photos.size() / 2, photos.size() - 1}) {
+      if (ReadImageHeader(photos[i]).may_be_transparent) return false;
+      const PhotoSigns signs = ReadSigns(photos[i]);
+      if (signs.bright_border < kPlainBorder || signs.bright == 1) return false;
+    }
+  } catch (const InputError&) {  // CheckPhotos names it
+    return false;
+  }
+  return true;
 }
 
 double Sharpness(const Image8& gray) {

@@ -18,13 +18,14 @@ struct CheckedPhoto {
 
 /// Signs of one photo that the checks look at.
 struct PhotoSigns {
-  double sharpness = 0;           ///< variance of the Laplacian per variance of the image, at a small size
-  double mean = 0;                ///< gray level, 0 to 255
-  double dark = 0, bright = 0;    ///< shares of pixels that are black or white
-  double flat = 0;                ///< share of pixels equal to their neighbor
-  std::vector<double> signature;  ///< 24 x 24 gray levels
-  bool is_panorama = false;       ///< very wide, a sphere by its size, or said to be one by its metadata
-  bool is_screenshot = false;     ///< a PNG of a phone's screen, without a camera in its metadata
+  double sharpness = 0;                       ///< variance of the Laplacian per variance of the image, at a small size
+  double mean = 0;                            ///< gray level, 0 to 255
+  double dark = 0, bright = 0;                ///< shares of pixels that are black or white
+  double dark_border = 0, bright_border = 0;  ///< and of the pixels at the image's border
+  double flat = 0;                            ///< share of pixels equal to their neighbor
+  std::vector<double> signature;              ///< 24 x 24 gray levels
+  bool is_panorama = false;                   ///< very wide, a sphere by its size, or said to be one by its metadata
+  bool is_screenshot = false;                 ///< a PNG of a phone's screen, without a camera in its metadata
 };
 
 /// Decodes a small version. Throws InputError naming the file.
@@ -42,6 +43,10 @@ struct PhotoTrouble {
 /// Reads the signs of photos without poses and describes the trouble. Reports StepDone{"check"}. Throws InputError
 /// naming a photo that cannot be decoded when fewer than three others can.
 PhotoTrouble CheckPhotos(const std::vector<CheckedPhoto>& photos, const Listener& listener);
+
+/// Whether photos show something before plain white, as where a program took their background away: the border of the
+/// first, the middle and the last is white, and no pixel is transparent. False where one of them cannot be read.
+bool AreOnWhite(const std::vector<std::filesystem::path>& photos);
 
 /// Fine detail of a gray image: the variance of its Laplacian (gray levels squared). The blurred one of two images of
 /// one scene and size has less. 0 for images below 3 x 3.

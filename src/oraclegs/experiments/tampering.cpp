@@ -193,7 +193,8 @@ class TamperingSuite {
     const StageClock clock("tampering", listener);
     const RunOptions& options = run.options;
     const ViewTamperer tamperer(
-        known.proxies, {BackgroundColor(options.image.background), options.train.sh_degree, options.train.antialiased},
+        known.proxies,
+        {BackgroundColor(options.image.Settled().background), options.train.sh_degree, options.train.antialiased},
         targets_, seed);
     const std::vector<PixelMask> unseen = VoidOf(ProposersOf(&run).warper(), targets_);
     for (size_t t = 0; t < targets_.size(); ++t) {

@@ -36,7 +36,7 @@ ProposerRow ProxiesRow() {
               [](const Run& run, const Warper&) {
                 std::vector<AskedProposer> members;
                 if (run.results->proxies.empty()) return members;
-                const RenderOptions render{BackgroundColor(run.options.image.background), run.options.train.sh_degree,
+                const RenderOptions render{BackgroundColor(run.plan.image.background), run.options.train.sh_degree,
                                            run.options.train.antialiased};
                 members.push_back(
                     {.proposer = std::make_unique<EnsembleProposer>(run.results->proxies, render), .renders = true});

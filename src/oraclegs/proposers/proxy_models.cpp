@@ -138,7 +138,7 @@ class ProxyTrainer {
                     const Gaussians& start) const {
     TrainSetup setup{options,
                      run_.options.start.seed + static_cast<uint64_t>(number),
-                     BackgroundColor(run_.options.image.background),
+                     BackgroundColor(run_.plan.image.background),
                      {views},
                      start.To(kCpu)};
     return Trainer(std::move(setup), [device = run_.plan.device](const TrainDeviceSetup& on_device) {

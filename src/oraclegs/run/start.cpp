@@ -145,7 +145,7 @@ RunOptions SettleSize(const RunOptions& asked, const Scene& scene, Device device
                       const Listener& listener) {
   const SceneSize size = SizeOf(scene, asked.split);
   const TrainingMachine machine{device.is_cuda(), device.is_cuda() ? FreeBytes(device) : 0};
-  const RunOptions known = WithSavedSize(asked, saved);
+  const RunOptions known = WithBackground(WithSavedSize(asked, saved), scene);
   RunOptions settled = WithSize(known, size, machine);
   CheckRunOptions(settled);
   RequireRenderable(scene, settled.image.Settled());

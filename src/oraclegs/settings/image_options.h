@@ -11,11 +11,11 @@ struct AutoImageOptions {
   Auto<int> max_size;
   SmallerCopies smaller_copies = SmallerCopies::kWhereFound;
   ResizeFilter resize = ResizeFilter::kArea;
-  Background background = Background::kBlack;
+  Auto<Background> background;
 
-  /// With full size where nothing chose another one (run_size.h does for a run).
+  /// With full size and black where nothing chose otherwise (run_size.h does for a run).
   ImageOptions Settled() const {
-    return {downscale.ValueOr(1), max_size.ValueOr(0), smaller_copies, resize, background};
+    return {downscale.ValueOr(1), max_size.ValueOr(0), smaller_copies, resize, background.ValueOr(Background::kBlack)};
   }
 
   template <class Self, class V>
@@ -36,7 +36,10 @@ struct AutoImageOptions {
           "Filter that reduces the photos, training and test photos alike: area = exact averages of areas; pillow = "
           "Pillow's bicubic filter at 8 bits, with which the scores of papers are made",
           Tier::kSetting);
-    visit("background", self.background, "Color behind transparent pixels and behind the scene");
+    visit("background", self.background,
+          "Color behind transparent pixels and behind the scene; auto = white where the photos show something before "
+          "plain "
+          "white, else black");
   }
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "oraclegs/capture/photo_checks.h"
 #include "oraclegs/settings/from_results.h"
 #include "oraclegs/train/memory_estimate.h"
 
@@ -140,6 +141,7 @@ RunOptions WithUsualSizes(RunOptions options) {
 
 nlohmann::json SizeToJson(const RunOptions& settled) {
   return {{"max-size", settled.image.max_size.ValueOr(0)},
+          {"background", Word(settled.image.Settled().background)},
           {"iterations", settled.train.iterations.ValueOr(kUsualIterations)},
           {"max-gaussians", settled.train.max_gaussians.ValueOr(kUsualMaxGaussians)},
           {"stereo-passes", settled.stereo.Settled().geometric_passes},
@@ -158,12 +160,28 @@ RunOptions WithSavedSize(RunOptions options, const nlohmann::json& size) {
   take("max-gaussians", &options.train.max_gaussians);
   take("stereo-passes", &options.stereo.geometric_passes);
   take("frames", &options.capture.frames);
+  const nlohmann::json background = size.value("background", nlohmann::json());
+  if (options.image.background.is_auto() && background.is_string()) {
+    if (const auto word = FromWord<Background>(background.get<std::string>())) options.image.background = *word;
+  }
   const nlohmann::json proposers = size.value("proposers", nlohmann::json());
   if (options.propose.proposers.is_auto() && proposers.is_string()) {
     const std::vector<std::string> known = ProposerWords();
     const auto word = std::find(known.begin(), known.end(), proposers.get<std::string>());
     if (word != known.end()) options.propose.proposers = *word;
   }
+  return options;
+}
+
+RunOptions WithBackground(RunOptions options, const Scene& scene) {
+  if (!options.image.background.is_auto()) return options;
+  std::vector<std::filesystem::path> photos;
+  bool has_masks = false;
+  for (const SceneView& view : scene.views) {
+    photos.push_back(view.image_path);
+    has_masks |= !view.mask_path.empty();
+  }
+  options.image.background = !has_masks && AreOnWhite(photos) ? Background::kWhite : Background::kBlack;
   return options;
 }
 
@@ -178,6 +196,8 @@ std::string DescribeSize(const RunOptions& asked, const RunOptions& settled, con
     parts.push_back(fmt::format("photos of {}x{} are used at {}x{} (--max-size {})", scene.largest.width,
                                 scene.largest.height, size.width, size.height, settled.image.max_size.value()));
   }
+  if (asked.image.background.is_auto() && settled.image.background == Background::kWhite)
+    parts.emplace_back("a white background (--background)");
   if (asked.train.iterations.is_auto()) parts.push_back(fmt::format("{} iterations", settled.train.iterations.value()));
   if (asked.train.max_gaussians.is_auto()) {
     parts.push_back(fmt::format("at most {} Gaussians", settled.train.max_gaussians.value()));

@@ -41,6 +41,10 @@ nlohmann::json SizeToJson(const RunOptions& settled);
 /// Replaces automatic options with the values of SizeToJson's object; options that it lacks stay automatic.
 RunOptions WithSavedSize(RunOptions options, const nlohmann::json& size);
 
+/// Options with the background that the photos ask for, where nothing chose one: white where they show something before
+/// plain white (AreOnWhite), else black, as where masks hide what is around it.
+RunOptions WithBackground(RunOptions options, const Scene& scene);
+
 /// --frames of a run that is continued with this size, or starts where it is null.
 int SettleFrames(const RunOptions& options, const nlohmann::json& saved_size);
 

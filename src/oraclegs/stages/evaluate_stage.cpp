@@ -147,7 +147,8 @@ Model LoadModel(const fs::path& ply, const RunOptions& options, Device device, c
   if (!run_from_file.IsIdentity()) file.gaussians = Transformed(file.gaussians, run_from_file);
   file.gaussians.ForEach([&](const char*, Buffer<float>& part) { part = part.To(device); });
   return {std::move(file.gaussians),
-          {BackgroundColor(options.image.background), file.sh_degree, options.train.antialiased || file.antialiased},
+          {BackgroundColor(options.image.Settled().background), file.sh_degree,
+           options.train.antialiased || file.antialiased},
           PartsInComments(file.comments),
           std::move(file.marks),
           unit};
@@ -201,7 +202,7 @@ TestScore TestScoreOf(const Run& run) {
   const auto views =
       std::make_shared<const std::vector<LoadedView>>(LoadViews(run.scene, run.split.test, run.plan.image, Silent()));
   RenderOptions render;
-  render.background = BackgroundColor(run.options.image.background);
+  render.background = BackgroundColor(run.plan.image.background);
   render.antialiased = run.options.train.antialiased;
   return {every, [=](const Gaussians& gaussians) { return MeanPsnr(gaussians, *views, render); }};
 }

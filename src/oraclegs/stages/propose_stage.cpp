@@ -78,7 +78,7 @@ FolderProposals ReadFolder(const Run& run, const LoadedView& view) {
   return ReadProposalFolder(run.options.propose.proposal_folder,
                             {WorkingCameras(run.scene, run.split.train, run.plan.image), TargetsOf(run, run.split.test),
                              TargetsOf(run, no_test), view.camera.width, view.camera.height,
-                             BackgroundColor(run.options.image.background), RunFromScene(run.frame)},
+                             BackgroundColor(run.plan.image.background), RunFromScene(run.frame)},
                             run.listener);
 }
 

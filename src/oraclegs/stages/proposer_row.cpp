@@ -12,7 +12,7 @@ std::unique_ptr<Warper> WarperOf(Run* run) {
   const TrainingViews& training = ViewsOf(run);
   const Geometry& geometry = run->results->geometry;
   WarpSources sources{
-      training.views, geometry.maps, {}, &training.silhouettes, BackgroundColor(run->options.image.background)};
+      training.views, geometry.maps, {}, &training.silhouettes, BackgroundColor(run->plan.image.background)};
   if (geometry.HasVariedExposure()) sources.gains = geometry.gains;
   return std::make_unique<Warper>(std::move(sources), run->plan.device);
 }

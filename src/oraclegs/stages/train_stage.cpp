@@ -216,7 +216,7 @@ ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) 
   ready.chosen = ChosenOptions(run->options.train, settled);
   BaselineSetup setup{{settled,
                        run->options.start.seed,
-                       BackgroundColor(run->options.image.background),
+                       BackgroundColor(run->plan.image.background),
                        {std::move(images), std::move(known.proposals), std::move(network.distance)},
                        std::move(start)},
                       run->options.method.Settings()};
@@ -256,7 +256,7 @@ std::vector<Camera> CamerasOfUncertainty(const std::vector<SupportView>& views) 
 GaussianMarks MarksOfModel(const Run& run, const ReadyTrainer& ready) {
   const Trainer& trainer = *ready.trainer;
   RenderOptions render;
-  render.background = BackgroundColor(run.options.image.background);
+  render.background = BackgroundColor(run.plan.image.background);
   render.antialiased = run.options.train.antialiased;
   try {
     auto others = ModelsBeside(run.workspace, {{"others", ProxyFiles(run)}}, run.plan.device, run.listener);
