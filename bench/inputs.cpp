@@ -83,7 +83,7 @@ BenchInput FromWorkspace(const std::filesystem::path& workspace, const InputSize
   const PosedScene posed = ReadPosedScene(saved.scene, options, Silent());
 
   BenchInput input;
-  input.background = BackgroundColor(options.image.background);
+  input.background = BackgroundColor(options.image.Settled().background);
   input.antialiased = options.train.antialiased;
   for (const LoadedView& view : LoadViews(posed.scene, posed.split.train, options.image.Settled(), Silent())) {
     input.views.push_back(ResizedView(view, size));
