@@ -4,6 +4,7 @@
 
 #include "config_file.h"
 #include "oraclegs/settings/named_options.h"
+#include "oraclegs/settings/run_size.h"
 #include "oraclegs/workspace/stage_records.h"
 
 namespace oraclegs {
@@ -90,7 +91,11 @@ std::optional<oraclegs::Run> SourceCommand::OpenRunOfInput(const Listener& liste
 }
 
 PosedScene SourceCommand::OpenScene(const Listener& listener) {
-  if (!InputIsWorkspace()) return ReadPosedScene(input_, options_, listener);
+  if (!InputIsWorkspace()) {
+    PosedScene posed = ReadPosedScene(input_, options_, listener);
+    options_ = WithBackground(options_, posed.scene);
+    return posed;
+  }
   const Auto<int> asked = options_.image.max_size, own = ReadSavedOptions(input_).image.max_size;
   options_.image.max_size = own;
   auto run = OpenRunOfInput(listener);

@@ -65,6 +65,10 @@ class RunSize(EndToEnd):
         self.run_program("render", run, "-o", self.dir / "white", "--path", "test", "--no-video")
         for file in (self.dir / "white").glob("*.png"):
             self.assertEqual(set(read_png(file)[3][:3]), {255}, "the corner")
+        scored = self.dir / "scored_on_white"
+        self.run_program("evaluate", scene, "--ply", run / "point_cloud.ply", "-o", scored, "--eval")
+        own = json.loads((run / "metrics.json").read_text())["test"]["psnr"]
+        self.assertAlmostEqual(json.loads((scored / "metrics.json").read_text())["test"]["psnr"], own, places=2)
 
 
 if __name__ == "__main__":

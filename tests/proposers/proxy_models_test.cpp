@@ -2,7 +2,6 @@
 
 #include "oraclegs/core/config.h"
 #include "oraclegs/depth/confidence.h"
-#include "oraclegs/settings/from_results.h"
 #include "run/proposing.h"
 #include "support/buffers.h"
 #include "support/errors.h"
@@ -147,16 +146,21 @@ TEST_F(ProxyModelsTest, DoNotDependOnHowProposalsAreTrainedOn) {
   EXPECT_EQ(OptionsToJson(ProxyOptions(0.2, other)), OptionsToJson(ProxyOptions(0.2, options)));
 }
 
-TEST(ProxyOptions, KeepRatesThatWereSettledAndLeaveAutomaticOnesToTheirLength) {
-  AutoTrainOptions asked;
-  asked.iterations = 3000;
-  const TrainOptions run = SettleTraining(asked, {}, Silent());
-  EXPECT_EQ(ProxyOptions(0.4, run).rate_scale, run.rate_scale);
-  const TrainOptions own = SettleTraining(ProxyOptions(0.4, asked), {}, Silent());
-  EXPECT_EQ(own.iterations, 1200);
-  EXPECT_EQ(own.rate_scale, 5);
-  EXPECT_EQ(own.sh_degree_interval, 240);
+TEST(ProxyOptions, KeepTheRatesOfTheRunAndFinishAtTheirOwn) {
+  RunOptions asked;
+  asked.train.iterations = 3000;
+  const TrainOptions run = SettleTraining(asked.train, {}, Silent());
+  EXPECT_EQ(ProxyOptions(0.2, run).rate_scale, run.rate_scale);
+  const TrainOptions finish = FinishOptions(asked, {});
+  EXPECT_EQ(finish.iterations, 1200);
+  EXPECT_EQ(finish.rate_scale, 5);
+  EXPECT_EQ(finish.sh_degree_interval, 240);
   EXPECT_NEAR(run.rate_scale, std::sqrt(10), 1e-9);
+  EXPECT_EQ(FinishOptions(asked, {.is_object = true}).iterations, 1800);
+  asked.train.rate_scale = 2;
+  EXPECT_EQ(FinishOptions(asked, {}).rate_scale, 2);
+  asked.propose.proxy_finish = 0;
+  EXPECT_EQ(FinishOptions(asked, {}).iterations, 0);
 }
 
 }  // namespace

@@ -108,6 +108,7 @@ TEST(WithBackground, IsWhiteBehindWhatStandsBeforeWhite) {
   EXPECT_NE(DescribeSize({}, WithSize(white, kPhones, {false}), kPhones).find("a white background (--background)"),
             std::string::npos);
   EXPECT_EQ(WithSavedSize({}, SizeToJson(WithSize(white, kPhones, {false}))).image.background, Background::kWhite);
+  EXPECT_FALSE(SizeToJson(WithSize({}, kPhones, {false})).contains("background")) << "nothing looked at the photos";
   RunOptions asked;
   asked.image.background = Background::kGray;
   EXPECT_EQ(WithBackground(asked, scene).image.background, Background::kGray);

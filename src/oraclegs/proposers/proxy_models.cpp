@@ -55,15 +55,6 @@ void Scale(double share, Auto<int>* iterations) {
   *iterations = scaled;
 }
 
-/// Options of the training that follows with all views, a course of its own: rates that suit its length bring Gaussians
-/// to surfaces that the left-out views alone show, where the run's are too low for so few iterations.
-TrainOptions FinishOptions(const RunOptions& options, const TrainEvidence& found) {
-  const double share = SettleProxyFinish(options.propose, found.is_object);
-  TrainOptions finish = SettleTraining(ProxyOptions(share, options.train), found, Silent());
-  if (share == 0) finish.iterations = 0;
-  return finish;
-}
-
 /// All views' depth, as sure as it is without the ones held out.
 Geometry Unseen(const Geometry& all, const std::vector<int>& held_out) {
   Geometry unseen;
@@ -93,11 +84,12 @@ class ProxyTrainer {
       : run_(*run),
         training_(ViewsOf(run)),
         geometry_(run->results->geometry),
-        views_(MakeTrainViews(training_, geometry_, run->options.train.depth_loss)),
-        asked_(OptionsOfProxies(*run)),
-        found_(EvidenceOf(training_, geometry_)),
-        options_(ProxyOptions(asked_.propose.proxy_share, SettleTraining(asked_.train, found_, Silent()))),
-        finish_(FinishOptions(asked_, found_)) {}
+        views_(MakeTrainViews(training_, geometry_, run->options.train.depth_loss)) {
+    const RunOptions asked = OptionsOfProxies(*run);
+    const TrainEvidence found = EvidenceOf(training_, geometry_);
+    options_ = ProxyOptions(asked.propose.proxy_share, SettleTraining(asked.train, found, Silent()));
+    finish_ = FinishOptions(asked, found);
+  }
 
   int64_t iterations() const { return options_.iterations + finish_.iterations; }
 
@@ -163,8 +155,6 @@ class ProxyTrainer {
   const TrainingViews& training_;
   const Geometry& geometry_;
   std::vector<TrainView> views_;
-  RunOptions asked_;
-  TrainEvidence found_;
   TrainOptions options_, finish_;
 };
 
@@ -265,6 +255,13 @@ Train ProxyOptions(double share, Train train) {
 }
 template TrainOptions ProxyOptions(double share, TrainOptions train);
 template AutoTrainOptions ProxyOptions(double share, AutoTrainOptions train);
+
+TrainOptions FinishOptions(const RunOptions& options, const TrainEvidence& found) {
+  const double share = SettleProxyFinish(options.propose, found.is_object);
+  TrainOptions finish = SettleTraining(ProxyOptions(share, options.train), found, Silent());
+  if (share == 0) finish.iterations = 0;
+  return finish;
+}
 
 int ProxyCount(const ProposeOptions& options, int views) {
   const int enough = std::min(kViewsOfProxy, views - 1);

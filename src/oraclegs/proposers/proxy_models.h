@@ -1,5 +1,6 @@
 #pragma once
 
+#include "oraclegs/settings/from_results.h"
 #include "oraclegs/stages/proposer_row.h"
 #include "oraclegs/train/options.h"
 
@@ -9,6 +10,10 @@ namespace oraclegs {
 /// rates stay those of the run, or AutoTrainOptions, of which what is automatic stays so.
 template <class Train>
 Train ProxyOptions(double share, Train train);
+
+/// Options of the training that follows with all views, a course of its own: rates that suit its length bring Gaussians
+/// to surfaces that the left-out views alone show, where the run's are too low for so few iterations.
+TrainOptions FinishOptions(const RunOptions& options, const TrainEvidence& found);
 
 /// Training views that a proxy model has at first, where there are more.
 inline constexpr int kViewsOfProxy = 3;

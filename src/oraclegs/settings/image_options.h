@@ -38,8 +38,7 @@ struct AutoImageOptions {
           Tier::kSetting);
     visit("background", self.background,
           "Color behind transparent pixels and behind the scene; auto = white where the photos show something before "
-          "plain "
-          "white, else black");
+          "plain white, else black");
   }
 };
 

@@ -140,13 +140,15 @@ RunOptions WithUsualSizes(RunOptions options) {
 }
 
 nlohmann::json SizeToJson(const RunOptions& settled) {
-  return {{"max-size", settled.image.max_size.ValueOr(0)},
-          {"background", Word(settled.image.Settled().background)},
-          {"iterations", settled.train.iterations.ValueOr(kUsualIterations)},
-          {"max-gaussians", settled.train.max_gaussians.ValueOr(kUsualMaxGaussians)},
-          {"stereo-passes", settled.stereo.Settled().geometric_passes},
-          {"proposers", settled.propose.proposers.ValueOr(kProxiesWord)},
-          {"frames", settled.capture.frames.ValueOr(kUsualFrames)}};
+  nlohmann::json size = {{"max-size", settled.image.max_size.ValueOr(0)},
+                         {"iterations", settled.train.iterations.ValueOr(kUsualIterations)},
+                         {"max-gaussians", settled.train.max_gaussians.ValueOr(kUsualMaxGaussians)},
+                         {"stereo-passes", settled.stereo.Settled().geometric_passes},
+                         {"proposers", settled.propose.proposers.ValueOr(kProxiesWord)},
+                         {"frames", settled.capture.frames.ValueOr(kUsualFrames)}};
+  // Experiments settle sizes before any photo is read; their runs look at the photos.
+  if (!settled.image.background.is_auto()) size["background"] = Word(settled.image.background.value());
+  return size;
 }
 
 RunOptions WithSavedSize(RunOptions options, const nlohmann::json& size) {

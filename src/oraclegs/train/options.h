@@ -132,10 +132,12 @@ struct TrainOptions : TrainConstants {
         "linearly down to none; constant = synthetic-floor throughout; union = photos and proposals are drawn from one "
         "pile; none = never; auto = falling where proxy models alone propose, in proportion to their confidence, else "
         "paper");
-    visit("synthetic-floor", self.synthetic_floor,
-          "Fraction of the iterations that take a proposal, at both ends of the run; auto = half of the mean squared "
-          "confidence where --schedule auto is falling, else the paper's 0.1",
-          Range{0, 1}, Tier::kSetting);
+    visit(
+        "synthetic-floor", self.synthetic_floor,
+        "Fraction of the iterations that take a proposal: at both ends of the run with --schedule paper, in its first "
+        "half with falling; auto = half of the mean squared confidence where --schedule auto is falling, else the "
+        "paper's 0.1",
+        Range{0, 1}, Tier::kSetting);
     visit("synthetic-peak", self.synthetic_peak,
           "Factor of t (1-t)^3, which adds to the floor and is largest, 0.105, at a quarter of the run", Range{0, 100},
           Tier::kSetting);
