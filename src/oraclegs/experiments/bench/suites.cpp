@@ -44,6 +44,7 @@ RunArguments MipNerf360(int views) {
           {"test-every", "8"},
           {"downscale", "4"},
           {"smaller-copies", "required"},
+          {"background", "black"},
           {"resize", "pillow"}};
 }
 
