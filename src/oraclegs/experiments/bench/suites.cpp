@@ -40,12 +40,8 @@ std::string PositionList(const Positions& positions, size_t count) {
 }
 
 RunArguments MipNerf360(int views) {
-  return {{"views", std::to_string(views)},
-          {"test-every", "8"},
-          {"downscale", "4"},
-          {"smaller-copies", "required"},
-          {"background", "black"},
-          {"resize", "pillow"}};
+  return {{"views", std::to_string(views)}, {"test-every", "8"},     {"downscale", "4"},
+          {"smaller-copies", "required"},   {"background", "black"}, {"resize", "pillow"}};
 }
 
 RunArguments Blender(int) {
