@@ -99,6 +99,20 @@ TEST(ExportSplat, WritesNothingWhenNothingIsLeft) {
   EXPECT_FALSE(std::filesystem::exists(temp / "out.ply"));
 }
 
+TEST(ExportSplat, WritesSpzOfTheVersionThatIsAskedFor) {
+  const TempDir temp;
+  Gaussians g = Row(4);
+  Flat(g.log_scales) = -2.f;
+  WriteGaussianPly(temp / "in.ply", g, 0);
+  Export(temp / "in.ply", temp / "3.spz", {});
+  Export(temp / "in.ply", temp / "4.spz", {.spz_version = 4});
+  EXPECT_EQ(ReadFile(temp / "3.spz").substr(0, 2), "\x1f\x8b");
+  EXPECT_EQ(ReadFile(temp / "4.spz").substr(0, 5), "NGSP\4");
+  EXPECT_EQ(Places(ReadSplat(temp / "4.spz").gaussians), Places(ReadSplat(temp / "3.spz").gaussians));
+  EXPECT_THAT(MessageOf<UsageError>([&] { Export(temp / "in.ply", temp / "a.sog", {.spz_version = 4}); }),
+              testing::HasSubstr("a.sog: is no .spz file, which --spz-version is for"));
+}
+
 TEST(ExportSplat, KeepsCommentsOrSaysThatItCannot) {
   const TempDir temp;
   WriteGaussianPly(temp / "in.ply", Row(4), 3, {"not for commercial use: made with X"});

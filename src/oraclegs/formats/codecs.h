@@ -83,13 +83,14 @@ bool IsSogFolder(const std::filesystem::path& folder);
 /// Reads it, with the same errors.
 GaussianPly ReadSogFolder(const std::filesystem::path& folder);
 
-// SPZ of Niantic: quantized Gaussians, attribute by attribute; versions 2 and 3 are written, 1 to 4 read. Its axes are
+// SPZ of Niantic: quantized Gaussians, attribute by attribute; versions 2 to 4 are written, 1 to 4 read. Its axes are
 // x right, y up, z back, while the program's are x right, y down, z forward: what is written is turned by half a turn
 // about the x axis, and turned back when it is read.
 
 enum class SpzVersion {
   k2 = 2,  ///< rotations of 3 bytes; what glTF allows
   k3 = 3,  ///< rotations of 4 bytes, many times as exact
+  k4 = 4,  ///< the same numbers, packed by zstd in place of gzip
 };
 
 /// The bytes of a .spz file; the Gaussians keep their order. Errors by the quantization: opacity 1/510, color 0.0037

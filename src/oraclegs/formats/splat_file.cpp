@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 constexpr int kMaxPasses = 4;      // writing again what a pass has lost
 constexpr int64_t kLostOf = 1000;  // one Gaussian in so many may be left out of a file that cannot hold it
 constexpr int64_t kCutOf = 10;     // from one in so many on, cut colors are a warning
-constexpr const char* kKsplat = ".ksplat";
+constexpr const char *kSpz = ".spz", *kKsplat = ".ksplat";
 
 constexpr float kAny = std::numeric_limits<float>::infinity();
 constexpr SplatPromise kFloats{0, 1e-4f, 0, -kAny, kAny, 0, kAny};  // docs/formats.md has the same numbers
@@ -32,6 +32,11 @@ std::vector<std::string> CommentsOf(const GaussianPly& splat) {
   std::vector<std::string> comments = splat.comments;
   if (splat.antialiased && !SaysAntialiased(comments)) comments.emplace_back(kAntialiasedComment);
   return comments;
+}
+
+template <SpzVersion version>
+std::string EncodeSpzOf(const GaussianPly& splat) {
+  return EncodeSpz(splat.gaussians, splat.sh_degree, version, splat.antialiased);
 }
 
 /// A PLY of either kind, whatever its name ends with.
@@ -134,14 +139,13 @@ const std::vector<SplatFormat>& SplatFormats() {
        .keeps_antialiased = true,
        .decode = DecodeAnyPly,
        .encode = [](const GaussianPly& s) { return EncodeCompressedPly(s.gaussians, s.sh_degree, CommentsOf(s)); }},
-      {.extension = ".spz",
+      {.extension = kSpz,
        .promise = kSpzPromise,
        .order = FileOrder::kByPlace,
        .half_turn = kTurnAboutX,
        .keeps_antialiased = true,
        .decode = DecodeSpz,
-       .encode =
-           [](const GaussianPly& s) { return EncodeSpz(s.gaussians, s.sh_degree, SpzVersion::k3, s.antialiased); }},
+       .encode = EncodeSpzOf<SpzVersion::k3>},
       {.extension = ".sog",
        .promise = kSogPromise,
        .order = FileOrder::kByPlace,
@@ -164,6 +168,13 @@ const std::vector<SplatFormat>& SplatFormats() {
        .decode = DecodeGltf,
        .encode = [](const GaussianPly& s) { return EncodeGltfSpz(s.gaussians, s.sh_degree); }},
   };
+  return formats;
+}
+
+std::vector<SplatFormat> WithSpz4(std::vector<SplatFormat> formats) {
+  for (SplatFormat& format : formats) {
+    if (format.extension == kSpz) format.encode = EncodeSpzOf<SpzVersion::k4>;
+  }
   return formats;
 }
 
