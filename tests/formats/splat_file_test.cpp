@@ -114,7 +114,10 @@ TEST(SplatFile, KeepsTheMarkOfAntialiasedTrainingOrSaysThatItCannot) {
   for (const char* name : kEveryFormat) {
     EventRecorder recorder;
     WriteSplat(dir / name, splat, recorder.AsListener());
+    EXPECT_EQ(ReadSplat(dir / name).antialiased, SplatFormatOf(name).keeps_antialiased) << name;
     EXPECT_NE(ReadSplat(dir / name).antialiased, !recorder.warnings.empty()) << name;
+    WriteSplat(dir / name, {splat.gaussians, 0});
+    EXPECT_FALSE(ReadSplat(dir / name).antialiased) << name;
   }
 }
 

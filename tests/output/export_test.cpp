@@ -184,11 +184,11 @@ TEST(ExportSplat, SaysWhatItReadsAndCannotWrite) {
   g.means[3] = NAN;
   WriteGaussianPly(temp / "in.ply", g, 0, {kAntialiasedComment});
   EventRecorder recorder;
-  const ExportResult result = ExportSplat({temp / "in.ply", temp / "out.sog"}, {}, std::nullopt, recorder.AsListener());
+  const ExportResult result = ExportSplat({temp / "in.ply", temp / "out.glb"}, {}, std::nullopt, recorder.AsListener());
   EXPECT_EQ(result.before, 19);
   EXPECT_EQ(result.after, 19);
   EXPECT_THAT(recorder.warnings, testing::ElementsAre(testing::HasSubstr("in.ply: 1 of 20 Gaussians"),
-                                                      testing::HasSubstr("out.sog: .sog cannot say")));
+                                                      testing::HasSubstr("out.glb: .glb cannot say")));
 }
 
 /// A format of the smallest kind, which is one row: positions as text, z up, nothing else kept.

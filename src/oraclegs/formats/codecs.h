@@ -72,7 +72,8 @@ GaussianPly DecodeCompressedPly(std::string_view bytes, const std::string& file)
 /// 20]) and color (within [-8, 9]) are the nearest of 256 values made for the scene, the harmonics above degree 0 of
 /// each Gaussian (within [-4, 4]) the nearest of at most 16 384 sets. Support, if given, is an image of its own, which
 /// other readers do not look at.
-std::string EncodeSog(const Gaussians& gaussians, int sh_degree, const std::vector<float>& support = {});
+std::string EncodeSog(const Gaussians& gaussians, int sh_degree, const std::vector<float>& support = {},
+                      bool antialiased = false);
 
 /// A .sog file of version 2. Throws InputError naming `file`: no zip, no meta.json or one of another
 /// version, images that are missing, damaged, or of another size than the number of Gaussians asks for.

@@ -149,8 +149,10 @@ const std::vector<SplatFormat>& SplatFormats() {
       {.extension = ".sog",
        .promise = kSogPromise,
        .order = FileOrder::kByPlace,
+       .keeps_antialiased = true,
        .decode = DecodeSog,
-       .encode = [](const GaussianPly& s) { return EncodeSog(s.gaussians, s.sh_degree, s.marks.support); }},
+       .encode =
+           [](const GaussianPly& s) { return EncodeSog(s.gaussians, s.sh_degree, s.marks.support, s.antialiased); }},
       {.extension = ".splat",
        .promise = kSplatPromise,
        .max_sh_degree = 0,
