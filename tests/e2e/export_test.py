@@ -96,6 +96,8 @@ LIMITS = {
     ".compressed.ply": {"place": 0.006, "scale": 0.003, "color": 0.003, "opacity": 0.002, "rotation": 0.003, "rest": 0.016},
     ".splat": {"place": 1e-6, "scale": 1e-5, "color": 0.002, "opacity": 0.002, "rotation": 0.012, "rest": 1},
     ".glb": {"place": 1e-6, "scale": 1e-5, "color": 1e-6, "opacity": 1e-5, "rotation": 1e-5, "rest": 1e-6},
+    ".usda": {"place": 1e-6, "scale": 1e-5, "color": 1e-6, "opacity": 1e-5, "rotation": 1e-5, "rest": 1e-6},
+    ".usdz": {"place": 1e-6, "scale": 1e-5, "color": 1e-6, "opacity": 1e-5, "rotation": 1e-5, "rest": 1e-6},
     ".spz.glb": {"place": 0.002, "scale": 0.032, "color": 0.004, "opacity": 0.002, "rotation": 0.13, "rest": 0.016},
 }
 

@@ -99,6 +99,17 @@ TEST(ExportSplat, WritesNothingWhenNothingIsLeft) {
   EXPECT_FALSE(std::filesystem::exists(temp / "out.ply"));
 }
 
+TEST(ExportSplat, TellsUsdHowLongAUnitIs) {
+  const TempDir temp;
+  WriteGaussianPly(temp / "in.ply", Row(3), 0, {"a unit is 0.5 m"});
+  Export(temp / "in.ply", temp / "m.usda", {});
+  EXPECT_THAT(ReadFile(temp / "m.usda"), testing::HasSubstr("metersPerUnit = 1\n"));
+  Export(temp / "in.ply", temp / "same.usda", {.scale = 1});
+  EXPECT_THAT(ReadFile(temp / "same.usda"), testing::HasSubstr("metersPerUnit = 0.5\n"));
+  Export(temp / "same.usda", temp / "back.ply", {});
+  EXPECT_NEAR(ReadGaussianPly(temp / "back.ply").gaussians.means[6], 1, 1e-6);
+}
+
 TEST(ExportSplat, WritesSpzOfTheVersionThatIsAskedFor) {
   const TempDir temp;
   Gaussians g = Row(4);
@@ -230,7 +241,7 @@ TEST(ExportSplat, TakesAnotherRowLikeItsOwn) {
   ASSERT_EQ(read.gaussians.size(), 2);
   EXPECT_EQ(read.gaussians.means[1], -2) << "y of the file is up, as -y of the program is";
   EXPECT_THAT(MessageOf<UsageError>([&] { SplatFormatOf("a.b", formats); }),
-              testing::HasSubstr(".spz.glb or .places.ply"));
+              testing::HasSubstr(".usdz or .places.ply"));
 }
 
 TEST(ExportSplat, RefusesWhatScalingMakesInfinite) {

@@ -33,14 +33,6 @@ std::string EncodeGltfSpz(const Gaussians& gaussians, int sh_degree);
 /// are converted, with a warning.
 GaussianPly DecodeGltf(std::string_view bytes, const std::string& file);
 
-/// The sRGB value of linear light; below 0 the line through 0 goes on.
-float SrgbOfLinear(float linear);
-
-/// Replaces linear colors by sRGB ones, in place and on the host: for each channel of a Gaussian the transfer curve
-/// between two points, a standard deviation below and above the mean over all directions, so that both are kept. Exact
-/// for a color that is the same from everywhere.
-void ColorsFromLinear(int sh_degree, Gaussians* gaussians);
-
 // .splat: 32 bytes a Gaussian without a header, as the first viewers of the web read it. No view-dependent color.
 
 /// Position and standard deviations as float32, color and opacity as bytes, w,x,y,z of the rotation as bytes; the
@@ -83,6 +75,22 @@ GaussianPly DecodeSog(std::string_view bytes, const std::string& file);
 bool IsSogFolder(const std::filesystem::path& folder);
 /// Reads it, with the same errors.
 GaussianPly ReadSogFolder(const std::filesystem::path& folder);
+
+// OpenUSD as text (.usda), or that in a zip (.usdz): one prim of the schema ParticleField3DGaussianSplat. USD's axes
+// with y up are those of SPZ.
+
+/// The text: all numbers as float32, exact, in the order of the Gaussians; some 650 bytes a Gaussian of degree 3.
+std::string EncodeUsda(const Gaussians& gaussians, int sh_degree, double meters_per_unit = 1);
+std::string EncodeUsdz(const Gaussians& gaussians, int sh_degree, double meters_per_unit = 1);
+
+/// All prims of the schema, where the prims above them put them, in floats or halves, y or z up; other prims are passed
+/// over. A length of a unit other than a meter becomes a comment (scene/frame_comments.h). Throws InputError naming
+/// `file`: the binary format; references and whatever else brings in prims from elsewhere; attributes that are missing,
+/// move in time, or are not of as many Gaussians; transforms that scale unevenly. Linear colors are converted, with a
+/// warning.
+GaussianPly DecodeUsda(std::string_view bytes, const std::string& file);
+/// Also: no zip, or one without a layer or with several.
+GaussianPly DecodeUsdz(std::string_view bytes, const std::string& file);
 
 // SPZ of Niantic: quantized Gaussians, attribute by attribute; versions 2 to 4 are written, 1 to 4 read. Its axes are
 // x right, y up, z back, while the program's are x right, y down, z forward: what is written is turned by half a turn

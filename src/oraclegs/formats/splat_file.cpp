@@ -10,6 +10,7 @@
 #include "oraclegs/formats/codecs.h"
 #include "oraclegs/formats/spatial_order.h"
 #include "oraclegs/gaussians/selection.h"
+#include "oraclegs/scene/frame_comments.h"
 
 namespace oraclegs {
 namespace {
@@ -32,6 +33,12 @@ std::vector<std::string> CommentsOf(const GaussianPly& splat) {
   std::vector<std::string> comments = splat.comments;
   if (splat.antialiased && !SaysAntialiased(comments)) comments.emplace_back(kAntialiasedComment);
   return comments;
+}
+
+/// USD wants a number: 1 where the length of a unit is not known.
+double MetersPerUnit(const GaussianPly& splat) {
+  const std::optional<double> known = UnitMetersOf(splat.comments);
+  return known ? *known : 1;
 }
 
 template <SpzVersion version>
@@ -169,6 +176,16 @@ const std::vector<SplatFormat>& SplatFormats() {
        .half_turn = kTurnAboutZ,
        .decode = DecodeGltf,
        .encode = [](const GaussianPly& s) { return EncodeGltfSpz(s.gaussians, s.sh_degree); }},
+      {.extension = ".usda",
+       .promise = kFloats,
+       .half_turn = kTurnAboutX,
+       .decode = DecodeUsda,
+       .encode = [](const GaussianPly& s) { return EncodeUsda(s.gaussians, s.sh_degree, MetersPerUnit(s)); }},
+      {.extension = ".usdz",
+       .promise = kFloats,
+       .half_turn = kTurnAboutX,
+       .decode = DecodeUsdz,
+       .encode = [](const GaussianPly& s) { return EncodeUsdz(s.gaussians, s.sh_degree, MetersPerUnit(s)); }},
   };
   return formats;
 }
