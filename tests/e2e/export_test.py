@@ -168,6 +168,15 @@ class Export(EndToEnd):
             self.assertEqual(report["info"]["extensionsUsed"][0], "KHR_gaussian_splatting")
             self.assertGreater(report["info"]["totalVertexCount"], 299)
 
+    def test_another_program_reads_usd_and_writes_it_again(self):
+        for extension in [".usda", ".usdz"]:
+            with self.subTest(extension):
+                foreign, back = self.dir / "foreign.usda", self.dir / "back.ply"
+                self.node("rewrite_usd.mjs", self.export(extension), foreign)
+                self.assertNotEqual(foreign.read_bytes(), (self.dir / "out.usda").read_bytes())
+                self.run_program("export", foreign, "-o", back)
+                self.assertNear(self.rows, read_ply(back), LIMITS[extension])
+
     def test_leaves_out_what_the_options_say(self):
         def kept(*arguments):
             return read_ply(self.export(".ply", *arguments))
