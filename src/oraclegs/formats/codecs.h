@@ -79,7 +79,7 @@ GaussianPly ReadSogFolder(const std::filesystem::path& folder);
 // OpenUSD as text (.usda), or that in a zip (.usdz): one prim of the schema ParticleField3DGaussianSplat. USD's axes
 // with y up are those of SPZ.
 
-/// The text: all numbers as float32, exact, in the order of the Gaussians; some 650 bytes a Gaussian of degree 3.
+/// The text: all numbers as float32, exact, in the order of the Gaussians; some 770 bytes a Gaussian of degree 3.
 std::string EncodeUsda(const Gaussians& gaussians, int sh_degree, double meters_per_unit = 1);
 std::string EncodeUsdz(const Gaussians& gaussians, int sh_degree, double meters_per_unit = 1);
 
