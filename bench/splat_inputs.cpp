@@ -13,6 +13,8 @@
 namespace oraclegs {
 namespace {
 
+constexpr const char* kUsdHead = "#usda 1.0\n";
+
 Gaussians MadeGaussians(size_t n) {
   Gaussians g = Gaussians::Zeros(static_cast<int64_t>(std::max<size_t>(n, 1)));
   uint32_t state = 7;
@@ -43,6 +45,7 @@ std::string GltfWith(const std::function<void(nlohmann::json*)>& edit) {
 std::vector<ParserInput> SplatInputs() {
   const auto ply = [](const std::string& file) { DecodeGaussianPly(file, "f"); };
   const auto gltf = [](const std::string& file) { DecodeGltf(file, "f"); };
+  const auto usd = [](const std::string& file) { DecodeUsda(file, "f"); };
   const auto spz = [](const std::string& file) { DecodeSpz(file, "f"); };
   const auto sog = [](const std::string& file) { DecodeSog(file, "f"); };
   const auto nodes = [](size_t bytes) { return std::max<size_t>(bytes / 20, 2); };
@@ -112,6 +115,38 @@ std::vector<ParserInput> SplatInputs() {
        [](const std::string& file) { DecodeSplat(file, "f"); }},
       {"gltf", "usual", [](size_t bytes) { return EncodeGltf(MadeGaussians(bytes / 64), 0); }, gltf},
       {"gltf", "spz", [](size_t bytes) { return EncodeGltfSpz(MadeGaussians(bytes / 16), 0); }, gltf},
+      {"usd", "usual", [](size_t bytes) { return EncodeUsda(MadeGaussians(bytes / 180), 0); }, usd},
+      {"usd", "archive", [](size_t bytes) { return EncodeUsdz(MadeGaussians(bytes / 700), 3); },
+       [](const std::string& file) { DecodeUsdz(file, "f"); }},
+      {"usd", "many prims",
+       [](size_t bytes) { return kUsdHead + Repeated(bytes, [](size_t) { return "def\"\"{}\n"; }); }, usd},
+      {"usd", "prims in prims",
+       [](size_t bytes) {
+         return kUsdHead + Repeated(bytes / 2, [](size_t) { return "def\"\"{uniform token[] xformOpOrder=[]\n"; }) +
+                std::string(bytes / 80, '}');
+       },
+       usd},
+      {"usd", "brackets in brackets",
+       [](size_t bytes) {
+         return kUsdHead + ("def\"\"{int a=" + std::string(bytes / 2, '[')) + std::string(bytes / 2, ']');
+       },
+       usd},
+      {"usd", "many operations",
+       [](size_t bytes) {
+         return kUsdHead + ("def\"\"{float xformOp:rotateX = 1\ntoken[] xformOpOrder = [" +
+                            Repeated(bytes, [](size_t) { return "\"xformOp:rotateX\","; }) + "]}");
+       },
+       usd},
+      {"usd", "many splats",
+       [](size_t bytes) {
+         return kUsdHead + Repeated(bytes, [](size_t) {
+                  return "def ParticleField3DGaussianSplat \"\" {\npoint3f[] positions = [(0,0,0)]\nquatf[] "
+                         "orientations = [(1,0,0,0)]\nfloat3[] scales = [(1,1,1)]\nfloat[] opacities = [1]\nint "
+                         "radiance:sphericalHarmonicsDegree = 0\nfloat3[] radiance:sphericalHarmonicsCoefficients = "
+                         "[(0,0,0)]\n}\n";
+                });
+       },
+       usd},
       {"gltf", "chain of nodes",
        [nodes](size_t bytes) {
          return GltfWith([n = nodes(bytes)](nlohmann::json* json) {

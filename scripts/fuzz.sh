@@ -34,7 +34,7 @@ done
 # Most bytes of an input: parsers of text and headers need few, and small inputs are fast.
 max_len() {
   case $1 in
-    ply | sog | gltf | heif | photo | config | workspace | train_checkpoint | database) echo 16384 ;;
+    ply | sog | gltf | usd | heif | photo | config | workspace | train_checkpoint | database) echo 16384 ;;
     *) echo 4096 ;;
   esac
 }

@@ -45,7 +45,7 @@ class Splat:
 
 
 def read_splat(path: PathLike) -> Splat:
-    """Reads .ply .compressed.ply .spz .sog .splat .glb .spz.glb of any trainer. Raises InputError naming the file.
+    """Reads .ply .compressed.ply .spz .sog .splat .glb .spz.glb .usda .usdz of any trainer. Raises InputError naming the file.
 
     What it leaves out or assumes, as a few Gaussians whose numbers are not finite, is a UserWarning.
     """

@@ -96,6 +96,8 @@ LIMITS = {
     ".compressed.ply": {"place": 0.006, "scale": 0.003, "color": 0.003, "opacity": 0.002, "rotation": 0.003, "rest": 0.016},
     ".splat": {"place": 1e-6, "scale": 1e-5, "color": 0.002, "opacity": 0.002, "rotation": 0.012, "rest": 1},
     ".glb": {"place": 1e-6, "scale": 1e-5, "color": 1e-6, "opacity": 1e-5, "rotation": 1e-5, "rest": 1e-6},
+    ".usda": {"place": 1e-6, "scale": 1e-5, "color": 1e-6, "opacity": 1e-5, "rotation": 1e-5, "rest": 1e-6},
+    ".usdz": {"place": 1e-6, "scale": 1e-5, "color": 1e-6, "opacity": 1e-5, "rotation": 1e-5, "rest": 1e-6},
     ".spz.glb": {"place": 0.002, "scale": 0.032, "color": 0.004, "opacity": 0.002, "rotation": 0.13, "rest": 0.016},
 }
 
@@ -130,10 +132,10 @@ class Export(EndToEnd):
         return out
 
     def test_another_program_reads_what_it_should(self):
-        for extension in [".spz", ".sog", ".compressed.ply", ".splat"]:
-            with self.subTest(extension):
+        for extension, *arguments in [[".spz"], [".spz", "--spz-version", 4], [".sog"], [".compressed.ply"], [".splat"]]:
+            with self.subTest(extension, arguments=arguments):
                 back = self.dir / "foreign.ply"
-                self.splat_transform(self.export(extension), back)
+                self.splat_transform(self.export(extension, *arguments), back)
                 self.assertNear(self.rows, read_ply(back), LIMITS[extension])
 
     def test_reads_back_what_it_wrote(self):
@@ -165,6 +167,15 @@ class Export(EndToEnd):
             self.assertEqual(other, [])
             self.assertEqual(report["info"]["extensionsUsed"][0], "KHR_gaussian_splatting")
             self.assertGreater(report["info"]["totalVertexCount"], 299)
+
+    def test_another_program_reads_usd_and_writes_it_again(self):
+        for extension in [".usda", ".usdz"]:
+            with self.subTest(extension):
+                foreign, back = self.dir / "foreign.usda", self.dir / "back.ply"
+                self.node("rewrite_usd.mjs", self.export(extension), foreign)
+                self.assertNotEqual(foreign.read_bytes(), (self.dir / "out.usda").read_bytes())
+                self.run_program("export", foreign, "-o", back)
+                self.assertNear(self.rows, read_ply(back), LIMITS[extension])
 
     def test_leaves_out_what_the_options_say(self):
         def kept(*arguments):

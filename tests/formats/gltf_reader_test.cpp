@@ -4,6 +4,7 @@
 
 #include "formats/glb_edit.h"
 #include "formats/splats.h"
+#include "oraclegs/formats/linear_colors.h"
 #include "support/allocations.h"
 
 namespace oraclegs {
@@ -161,38 +162,6 @@ TEST(GltfReader, RefusesNumbersThatAreNotFinite) {
   const size_t bin = bytes.find("BIN") + 4;
   StoreLittle(bytes.data() + bin, std::nanf(""));
   EXPECT_THAT(DecodeError(DecodeGltf, bytes), HasSubstr("x of Gaussian 0"));
-}
-
-float ColorOf(float sh) { return 0.5f + static_cast<float>(kConstantSh) * sh; }
-
-TEST(SrgbOfLinear, IsTheCurveOfTheStandard) {
-  EXPECT_EQ(SrgbOfLinear(0), 0);
-  EXPECT_NEAR(SrgbOfLinear(1), 1, 1e-6);
-  EXPECT_NEAR(SrgbOfLinear(0.5f), 0.7353570f, 1e-6);
-  EXPECT_NEAR(SrgbOfLinear(0.002f), 0.02584f, 1e-6);
-  EXPECT_LT(SrgbOfLinear(-0.1f), 0);
-}
-
-TEST(ColorsFromLinear, IsExactForOneColor) {
-  const Gaussians g = PlausibleGaussians(50), linear = HostCopy(g, 0);
-  Gaussians display = HostCopy(g, 0);
-  ColorsFromLinear(0, &display);
-  for (int64_t i = 0; i < 50; ++i) {
-    for (int c = 0; c < 3; ++c) {
-      EXPECT_NEAR(ColorOf(display.sh[i * kShFloats + c]), SrgbOfLinear(ColorOf(linear.sh[i * kShFloats + c])), 1e-5);
-    }
-  }
-}
-
-TEST(ColorsFromLinear, ChangesWithTheDirectionAsTheCurveDoes) {
-  Gaussians g = Gaussians::Zeros(1);
-  g.sh[3] = 0.3f;  // red along y
-  const float factor = std::sqrt(3 / (4 * 3.14159265f));
-  const float up = SrgbOfLinear(0.5f + 0.3f * factor), down = SrgbOfLinear(0.5f - 0.3f * factor);
-  ColorsFromLinear(1, &g);
-  EXPECT_NEAR(ColorOf(g.sh[0]) + g.sh[3] * factor, up, 0.01f);
-  EXPECT_NEAR(ColorOf(g.sh[0]) - g.sh[3] * factor, down, 0.01f);
-  EXPECT_EQ(g.sh[4], 0);
 }
 
 }  // namespace

@@ -32,6 +32,15 @@ TEST(SogWriter, HasTheLayoutOfTheFormat) {
   EXPECT_GE(DecodeWebp(files.at("quats.webp"), 1 << 20, "quats").rgba[3], 252);
 }
 
+TEST(SogWriter, NamesAModelThatWasTrainedAntialiased) {
+  const auto model = [](bool antialiased) {
+    const auto files = ReadZip(EncodeSog(PlausibleGaussians(10), 0, {}, antialiased), 20, "x.sog");
+    return nlohmann::json::parse(files.at("meta.json")).value("model", "none");
+  };
+  EXPECT_EQ(model(true), "antialiased");
+  EXPECT_EQ(model(false), "none");
+}
+
 TEST(SogWriter, LeavesOutWhatIsNotThere) {
   const Gaussians g = PlausibleGaussians(10);
   const auto plain = ReadZip(EncodeSog(g, 0), 20, "x.sog");

@@ -16,7 +16,8 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr const char* kEveryFormat[] = {"a.ply", "a.compressed.ply", "a.spz", "a.sog", "a.splat", "a.glb", "a.spz.glb"};
+constexpr const char* kEveryFormat[] = {"a.ply", "a.compressed.ply", "a.spz",  "a.sog", "a.splat",
+                                        "a.glb", "a.spz.glb",        "a.usda", "a.usdz"};
 
 TEST(SplatFormatOf, GoesByTheEndOfTheName) {
   EXPECT_EQ(SplatFormatOf("a/b.ply").extension, ".ply");
@@ -29,10 +30,11 @@ TEST(SplatFormatOf, GoesByTheEndOfTheName) {
 }
 
 TEST(SplatFormatOf, RefusesAnUnknownEnd) {
-  for (const char* name : {"scene.xyz", "scene", ".ply", "dir.ply/", "scene.gltf"}) {
+  for (const char* name : {"scene.xyz", "scene", ".ply", "dir.ply/", "scene.gltf", "scene.usdc"}) {
     const std::string message = MessageOf<UsageError>([&] { SplatFormatOf(name); });
     EXPECT_THAT(message, HasSubstr(name));
-    EXPECT_THAT(message, HasSubstr("ends in .ply, .compressed.ply, .spz, .sog, .splat, .glb or .spz.glb"));
+    EXPECT_THAT(message,
+                HasSubstr("ends in .ply, .compressed.ply, .spz, .sog, .splat, .glb, .spz.glb, .usda or .usdz"));
   }
 }
 
@@ -114,7 +116,10 @@ TEST(SplatFile, KeepsTheMarkOfAntialiasedTrainingOrSaysThatItCannot) {
   for (const char* name : kEveryFormat) {
     EventRecorder recorder;
     WriteSplat(dir / name, splat, recorder.AsListener());
+    EXPECT_EQ(ReadSplat(dir / name).antialiased, SplatFormatOf(name).keeps_antialiased) << name;
     EXPECT_NE(ReadSplat(dir / name).antialiased, !recorder.warnings.empty()) << name;
+    WriteSplat(dir / name, {splat.gaussians, 0});
+    EXPECT_FALSE(ReadSplat(dir / name).antialiased) << name;
   }
 }
 

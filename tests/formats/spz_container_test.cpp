@@ -65,6 +65,49 @@ TEST(UnpackSpz, SaysThatExtensionsArePassedOver) {
   EXPECT_THAT(read.warnings, testing::ElementsAre(HasSubstr("extensions")));
 }
 
+TEST(PackSpz, HasTheLayoutOfVersion4) {
+  const std::string file = EncodeSpz(PlausibleGaussians(70), 1, SpzVersion::k4, true);
+  EXPECT_EQ(file.substr(0, 4), "NGSP");
+  EXPECT_EQ(LoadLittle<uint32_t>(file, 4), 4u);
+  EXPECT_EQ(LoadLittle<uint32_t>(file, 8), 70u);
+  EXPECT_EQ(file[12], 1);                          // degree
+  EXPECT_EQ(file[14], 1);                          // antialiased, no extensions
+  EXPECT_EQ(file[15], 6);                          // streams
+  EXPECT_EQ(LoadLittle<uint32_t>(file, 16), 32u);  // where the table is
+  EXPECT_EQ(file.substr(20, 12), std::string(12, '\0'));
+  const uint64_t bytes_per_gaussian[] = {9, 1, 3, 3, 4, 9};
+  size_t end = 32 + 6 * 16;
+  for (size_t s = 0; s < 6; ++s) {
+    EXPECT_EQ(LoadLittle<uint64_t>(file, 32 + 16 * s + 8), 70 * bytes_per_gaussian[s]);
+    EXPECT_EQ(LoadLittle<uint32_t>(file, end), 0xfd2fb528u) << "a frame of zstd begins so";
+    end += LoadLittle<uint64_t>(file, 32 + 16 * s);
+  }
+  EXPECT_EQ(end, file.size());
+  EXPECT_EQ(EncodeSpz(PlausibleGaussians(70), 0, SpzVersion::k4)[15], 5);
+}
+
+TEST(PackSpz, KeepsTheSameNumbersInEitherContainer) {
+  for (const int degree : {0, 3}) {
+    const Gaussians g = PlausibleGaussians(500);
+    const GaussianPly expected = DecodeSpz(EncodeSpz(g, degree), "x");
+    ExpectSameSplat(DecodeSpz(EncodeSpz(g, degree, SpzVersion::k4), "x"), expected);
+    ExpectSameSplat(DecodeSpz(SpzOfVersion4(EncodeSpz(g, degree)), "x"), expected);
+  }
+}
+
+TEST(UnpackSpz, IsNoBombOfZstd) {
+  const std::string bomb = EncodeSpz(Gaussians::Zeros(300000), 0, SpzVersion::k4);
+  EXPECT_LT(bomb.size(), 10000u);
+  EXPECT_THAT(DecodeError(DecodeSpz, bomb), HasSubstr("promises 300000 Gaussians in"));
+  // A stream that unpacks to more than its Gaussians need ends where they do; the table's word is not taken.
+  std::string file = bomb;
+  StoreLittle(file.data() + 8, uint32_t{9});
+  EXPECT_THAT(DecodeError(DecodeSpz, file), HasSubstr("stream 0 is damaged, or not of 9 Gaussians"));
+  std::string all = EncodeSpz(PlausibleGaussians(9), 0, SpzVersion::k4);
+  StoreLittle(all.data() + 8, ~uint32_t{0});
+  EXPECT_THAT(DecodeError(DecodeSpz, all), HasSubstr("promises 4294967295 Gaussians"));
+}
+
 TEST(UnpackSpz, RefusesDamagedStreams) {
   const std::string good = SpzOfVersion4(EncodeSpz(PlausibleGaussians(9), 2));
   const auto with = [&](size_t at, char value) {

@@ -1,5 +1,5 @@
 #pragma once
-// SPZ of version 4, which the program reads and does not write.
+// SPZ of version 4 as another program may write it: built by hand, with extensions.
 
 #include <zstd.h>
 

@@ -40,5 +40,13 @@ TEST(Zip, BelievesNoSizeOfTheDirectory) {
   EXPECT_NE(ZipError(bytes), "");
 }
 
+TEST(WriteZip, AlignsTheBytesOfFiles) {
+  const std::vector<std::pair<std::string, std::string>> files = {
+      {"a.txt", "w"}, {"longer name.png", std::string(100, 'y')}, {"b", std::string(61, 'z')}};
+  const std::string archive = WriteZip(files, 64);
+  for (const auto& [name, bytes] : files) EXPECT_EQ(archive.find(bytes) % 64, 0u) << name;
+  EXPECT_EQ(ReadZip(archive, 3, "x"), (std::map<std::string, std::string>(files.begin(), files.end())));
+}
+
 }  // namespace
 }  // namespace oraclegs

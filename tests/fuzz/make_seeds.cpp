@@ -72,9 +72,12 @@ void AddSplats(const Corpus& corpus) {
   for (const int degree : {0, 1, 3}) {
     const std::string name = "degree" + std::to_string(degree);
     corpus.Add("ply", name, corpus.Written("a.ply", [&](const fs::path& path) {
-      WriteGaussianPly(path, g, degree, {"a unit is 2 m"}, support);
+      WriteGaussianPly(path, g, degree, {"a unit is 2 m"}, {support});
     }));
     corpus.Add("ply", "compressed-" + name, EncodeCompressedPly(g, degree, {"comment"}));
+    corpus.Add("spz", name + "-4", EncodeSpz(g, degree, SpzVersion::k4));
+    corpus.Add("usd", name, EncodeUsda(g, degree, 0.5));
+    corpus.Add("usd", "archive-" + name, EncodeUsdz(g, degree));
     for (const SpzVersion version : {SpzVersion::k2, SpzVersion::k3}) {
       const std::string file = EncodeSpz(g, degree, version), of = name + (version == SpzVersion::k2 ? "-2" : "-3");
       corpus.Add("spz", of, file);

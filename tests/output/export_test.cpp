@@ -99,6 +99,31 @@ TEST(ExportSplat, WritesNothingWhenNothingIsLeft) {
   EXPECT_FALSE(std::filesystem::exists(temp / "out.ply"));
 }
 
+TEST(ExportSplat, TellsUsdHowLongAUnitIs) {
+  const TempDir temp;
+  WriteGaussianPly(temp / "in.ply", Row(3), 0, {"a unit is 0.5 m"});
+  Export(temp / "in.ply", temp / "m.usda", {});
+  EXPECT_THAT(ReadFile(temp / "m.usda"), testing::HasSubstr("metersPerUnit = 1\n"));
+  Export(temp / "in.ply", temp / "same.usda", {.scale = 1});
+  EXPECT_THAT(ReadFile(temp / "same.usda"), testing::HasSubstr("metersPerUnit = 0.5\n"));
+  Export(temp / "same.usda", temp / "back.ply", {});
+  EXPECT_NEAR(ReadGaussianPly(temp / "back.ply").gaussians.means[6], 1, 1e-6);
+}
+
+TEST(ExportSplat, WritesSpzOfTheVersionThatIsAskedFor) {
+  const TempDir temp;
+  Gaussians g = Row(4);
+  Flat(g.log_scales) = -2.f;
+  WriteGaussianPly(temp / "in.ply", g, 0);
+  Export(temp / "in.ply", temp / "3.spz", {});
+  Export(temp / "in.ply", temp / "4.spz", {.spz_version = 4});
+  EXPECT_EQ(ReadFile(temp / "3.spz").substr(0, 2), "\x1f\x8b");
+  EXPECT_EQ(ReadFile(temp / "4.spz").substr(0, 5), "NGSP\4");
+  EXPECT_EQ(Places(ReadSplat(temp / "4.spz").gaussians), Places(ReadSplat(temp / "3.spz").gaussians));
+  EXPECT_THAT(MessageOf<UsageError>([&] { Export(temp / "in.ply", temp / "a.sog", {.spz_version = 4}); }),
+              testing::HasSubstr("a.sog: is no .spz file, which --spz-version is for"));
+}
+
 TEST(ExportSplat, KeepsCommentsOrSaysThatItCannot) {
   const TempDir temp;
   WriteGaussianPly(temp / "in.ply", Row(4), 3, {"not for commercial use: made with X"});
@@ -170,11 +195,11 @@ TEST(ExportSplat, SaysWhatItReadsAndCannotWrite) {
   g.means[3] = NAN;
   WriteGaussianPly(temp / "in.ply", g, 0, {kAntialiasedComment});
   EventRecorder recorder;
-  const ExportResult result = ExportSplat({temp / "in.ply", temp / "out.sog"}, {}, std::nullopt, recorder.AsListener());
+  const ExportResult result = ExportSplat({temp / "in.ply", temp / "out.glb"}, {}, std::nullopt, recorder.AsListener());
   EXPECT_EQ(result.before, 19);
   EXPECT_EQ(result.after, 19);
   EXPECT_THAT(recorder.warnings, testing::ElementsAre(testing::HasSubstr("in.ply: 1 of 20 Gaussians"),
-                                                      testing::HasSubstr("out.sog: .sog cannot say")));
+                                                      testing::HasSubstr("out.glb: .glb cannot say")));
 }
 
 /// A format of the smallest kind, which is one row: positions as text, z up, nothing else kept.
@@ -216,7 +241,7 @@ TEST(ExportSplat, TakesAnotherRowLikeItsOwn) {
   ASSERT_EQ(read.gaussians.size(), 2);
   EXPECT_EQ(read.gaussians.means[1], -2) << "y of the file is up, as -y of the program is";
   EXPECT_THAT(MessageOf<UsageError>([&] { SplatFormatOf("a.b", formats); }),
-              testing::HasSubstr(".spz.glb or .places.ply"));
+              testing::HasSubstr(".usdz or .places.ply"));
 }
 
 TEST(ExportSplat, RefusesWhatScalingMakesInfinite) {

@@ -33,14 +33,6 @@ std::string EncodeGltfSpz(const Gaussians& gaussians, int sh_degree);
 /// are converted, with a warning.
 GaussianPly DecodeGltf(std::string_view bytes, const std::string& file);
 
-/// The sRGB value of linear light; below 0 the line through 0 goes on.
-float SrgbOfLinear(float linear);
-
-/// Replaces linear colors by sRGB ones, in place and on the host: for each channel of a Gaussian the transfer curve
-/// between two points, a standard deviation below and above the mean over all directions, so that both are kept. Exact
-/// for a color that is the same from everywhere.
-void ColorsFromLinear(int sh_degree, Gaussians* gaussians);
-
 // .splat: 32 bytes a Gaussian without a header, as the first viewers of the web read it. No view-dependent color.
 
 /// Position and standard deviations as float32, color and opacity as bytes, w,x,y,z of the rotation as bytes; the
@@ -72,7 +64,8 @@ GaussianPly DecodeCompressedPly(std::string_view bytes, const std::string& file)
 /// 20]) and color (within [-8, 9]) are the nearest of 256 values made for the scene, the harmonics above degree 0 of
 /// each Gaussian (within [-4, 4]) the nearest of at most 16 384 sets. Support, if given, is an image of its own, which
 /// other readers do not look at.
-std::string EncodeSog(const Gaussians& gaussians, int sh_degree, const std::vector<float>& support = {});
+std::string EncodeSog(const Gaussians& gaussians, int sh_degree, const std::vector<float>& support = {},
+                      bool antialiased = false);
 
 /// A .sog file of version 2. Throws InputError naming `file`: no zip, no meta.json or one of another
 /// version, images that are missing, damaged, or of another size than the number of Gaussians asks for.
@@ -83,13 +76,30 @@ bool IsSogFolder(const std::filesystem::path& folder);
 /// Reads it, with the same errors.
 GaussianPly ReadSogFolder(const std::filesystem::path& folder);
 
-// SPZ of Niantic: quantized Gaussians, attribute by attribute; versions 2 and 3 are written, 1 to 4 read. Its axes are
+// OpenUSD as text (.usda), or that in a zip (.usdz): one prim of the schema ParticleField3DGaussianSplat. USD's axes
+// with y up are those of SPZ.
+
+/// The text: all numbers as float32, exact, in the order of the Gaussians; some 770 bytes a Gaussian of degree 3.
+std::string EncodeUsda(const Gaussians& gaussians, int sh_degree, double meters_per_unit = 1);
+std::string EncodeUsdz(const Gaussians& gaussians, int sh_degree, double meters_per_unit = 1);
+
+/// All prims of the schema, where the prims above them put them, in floats or halves, y or z up; other prims are passed
+/// over. A length of a unit other than a meter becomes a comment (scene/frame_comments.h). Throws InputError naming
+/// `file`: the binary format; references and whatever else brings in prims from elsewhere; attributes that are missing,
+/// move in time, or are not of as many Gaussians; transforms that scale unevenly. Linear colors are converted, with a
+/// warning.
+GaussianPly DecodeUsda(std::string_view bytes, const std::string& file);
+/// Also: no zip, or one without a layer or with several.
+GaussianPly DecodeUsdz(std::string_view bytes, const std::string& file);
+
+// SPZ of Niantic: quantized Gaussians, attribute by attribute; versions 2 to 4 are written, 1 to 4 read. Its axes are
 // x right, y up, z back, while the program's are x right, y down, z forward: what is written is turned by half a turn
 // about the x axis, and turned back when it is read.
 
 enum class SpzVersion {
   k2 = 2,  ///< rotations of 3 bytes; what glTF allows
   k3 = 3,  ///< rotations of 4 bytes, many times as exact
+  k4 = 4,  ///< the same numbers, packed by zstd in place of gzip
 };
 
 /// The bytes of a .spz file; the Gaussians keep their order. Errors by the quantization: opacity 1/510, color 0.0037

@@ -4,30 +4,23 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <set>
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/formats/glb_file.h"
 #include "oraclegs/formats/gltf_layout.h"
+#include "oraclegs/formats/linear_colors.h"
+#include "oraclegs/formats/splat_parts.h"
 #include "oraclegs/gaussians/transform.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr double kUneven = 1e-3;  // relative
-
 // Primitives may share their bytes, so that a small file could promise any number of Gaussians. Attributes take 14
 // bytes a Gaussian or more; SPZ is bounded as DecodeSpz bounds it.
 constexpr int64_t kPlausibleRows = 1 << 16, kLeastBytesPerRow = 8;
 constexpr int64_t kPlausiblePacked = 1 << 18, kMostPackedPerByte = 16;
-
-struct NodeSplat {
-  Gaussians gaussians;
-  int degree;
-  std::vector<float> support;
-};
 
 /// Walks the nodes and collects the Gaussians in glTF's axes.
 class GltfReader {
@@ -49,7 +42,7 @@ class GltfReader {
     }
   }
 
-  std::vector<NodeSplat> Take() { return std::move(splats_); }
+  std::vector<SplatPart> Take() { return std::move(splats_); }
   const std::set<std::string>& warnings() const { return warnings_; }
 
  private:
@@ -139,47 +132,37 @@ class GltfReader {
     return local.matrix();
   }
 
-  Similarity SimilarityOf(const Eigen::Matrix4d& matrix) const {
-    const Eigen::Matrix3d linear = matrix.topLeftCorner<3, 3>();
-    const double scale = std::cbrt(linear.determinant());
-    const Eigen::Matrix3d rotation = linear / scale;
-    const bool even = scale > 0 && matrix.allFinite() &&
-                      (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < kUneven;
-    if (!even) Fail("a node mirrors its Gaussians or scales them unevenly, which is not read");
-    return {rotation, scale, matrix.topRightCorner<3, 1>()};
-  }
-
   void AddPrimitive(const nlohmann::json& primitive, const nlohmann::json& extension, const Eigen::Matrix4d& matrix) {
     const nlohmann::json none = nlohmann::json::object();
     const nlohmann::json inner = extension.is_object() ? extension.value("extensions", none) : none;
     const nlohmann::json spz = inner.is_object() ? inner.value(kSpzExtension, none) : none;
-    NodeSplat node = spz.is_object() && spz.contains("bufferView")
+    SplatPart node = spz.is_object() && spz.contains("bufferView")
                          ? FromSpz(glb_.Integer(spz, "bufferView", -1))
                          : FromAttributes(primitive.value("attributes", none));
     ConvertColors(extension, &node);
-    if (!matrix.isIdentity(0)) node.gaussians = Transformed(node.gaussians, SimilarityOf(matrix));
+    if (!matrix.isIdentity(0)) {
+      const std::optional<Similarity> place = EvenSimilarity(matrix);
+      if (!place) Fail("a node mirrors its Gaussians or scales them unevenly, which is not read");
+      node.gaussians = Transformed(node.gaussians, *place);
+    }
     splats_.push_back(std::move(node));
   }
 
   /// Brings colors that are stored as linear light to the program's.
-  void ConvertColors(const nlohmann::json& extension, NodeSplat* node) {
+  void ConvertColors(const nlohmann::json& extension, SplatPart* node) {
     const nlohmann::json space =
         extension.is_object() ? extension.value("colorSpace", nlohmann::json()) : nlohmann::json();
     if (space.is_null() || space == kDisplayColors) return;
     if (space == kLinearColors) {
-      warnings_.insert(
-          fmt::format("{}: its colors are linear; they are converted to sRGB, which is not exact where "
-                      "Gaussians cover each other",
-                      glb_.file()));
+      warnings_.insert(LinearColorsConverted(glb_.file()));
       ColorsFromLinear(node->degree, &node->gaussians);
       return;
     }
     warnings_.insert(
-        fmt::format("{}: its colors are in the space {}, which is not known; they are taken for {}", glb_.file(),
-                    QuotedForMessage(space.is_string() ? space.get<std::string>() : space.dump()), kDisplayColors));
+        UnknownColorSpace(space.is_string() ? space.get<std::string>() : space.dump(), kDisplayColors, glb_.file()));
   }
 
-  NodeSplat FromSpz(int64_t view) {
+  SplatPart FromSpz(int64_t view) {
     GaussianPly splat = DecodeSpz(glb_.View(view), glb_.file());
     warnings_.insert(splat.warnings.begin(), splat.warnings.end());
     Count(&packed_, splat.gaussians.size(), most_packed_);
@@ -187,7 +170,7 @@ class GltfReader {
     return {splat.gaussians, splat.sh_degree, {}};
   }
 
-  NodeSplat FromAttributes(const nlohmann::json& attributes) {
+  SplatPart FromAttributes(const nlohmann::json& attributes) {
     if (!attributes.is_object()) Fail("a primitive has no attributes");
     const auto accessor = [&](const std::string& name) { return glb_.Integer(attributes, name.c_str(), -1); };
     for (const char* name : {"POSITION", kSplatRotation, kSplatScale, kSplatOpacity}) {
@@ -200,7 +183,7 @@ class GltfReader {
     if (degree == kMaxShDegree && accessor(HarmonicAttribute(kShCoefficients)) >= 0) {
       warnings_.insert(DegreeLeftOut(degree + 1, glb_.file()));
     }
-    NodeSplat node{ZeroSplat(n, degree, glb_.file()).gaussians, degree, {}};
+    SplatPart node{ZeroSplat(n, degree, glb_.file()).gaussians, degree, {}};
     const auto floats = [&](const std::string& name, int components) {
       std::vector<float> values = glb_.Floats(accessor(name), components);
       if (static_cast<int64_t>(values.size()) != n * components)
@@ -239,69 +222,20 @@ class GltfReader {
   int64_t rows_ = 0, packed_ = 0;  // Gaussians so far, of attributes and of SPZ
   int64_t most_rows_, most_packed_;
   std::vector<std::pair<int64_t, std::shared_ptr<const Eigen::Matrix4d>>> left_;
-  std::vector<NodeSplat> splats_;
+  std::vector<SplatPart> splats_;
   std::set<std::string> warnings_;
 };
-
-constexpr int64_t kColorGrain = 4096;  // Gaussians a task
-constexpr float kLeastSpread = 1e-3f;  // of a color over the directions; for a smaller one the slope would be noise
 
 }  // namespace
 
 GaussianPly DecodeGltf(std::string_view bytes, const std::string& file) {
   const GlbFile glb(bytes, file);
   GltfReader reader(glb, bytes.size());
-  const std::vector<NodeSplat> splats = reader.Take();
-  int64_t n = 0;
-  int degree = 0;
-  for (const NodeSplat& node : splats) {
-    n += node.gaussians.size();
-    degree = std::max(degree, node.degree);
-  }
+  const std::vector<SplatPart> splats = reader.Take();
   if (splats.empty()) throw InputError("{}: no node of its scene has Gaussians ({})", file, kSplatExtension);
-  GaussianPly splat = ZeroSplat(n, degree, file);
+  GaussianPly splat = JoinedParts(splats, kTurnAboutZ, file);
   splat.warnings.assign(reader.warnings().begin(), reader.warnings().end());
-  int64_t row = 0;
-  for (const NodeSplat& node : splats) {
-    std::vector<Buffer<float>> from;
-    node.gaussians.ForEach([&](const char*, const Buffer<float>& b) { from.push_back(b); });
-    size_t i = 0;
-    splat.gaussians.ForEach(
-        [&](const char*, Buffer<float>& to) { to.Rows(row, row + node.gaussians.size()).CopyFrom(from[i++]); });
-    row += node.gaussians.size();
-    splat.marks.support.insert(splat.marks.support.end(), node.support.begin(), node.support.end());
-  }
-  if (static_cast<int64_t>(splat.marks.support.size()) != n)
-    splat.marks.support.clear();  // of a part of them it would mislead
-  const GaussianRows all = splat.gaussians.Rows();
-  ParallelBlocks(n, kSplatGrain, [&](int64_t begin, int64_t end) {
-    for (int64_t i = begin; i < end; ++i) TurnHalf(all.From(i), kTurnAboutZ);
-  });
   return WithoutDamaged(std::move(splat), file);
-}
-
-float SrgbOfLinear(float linear) {
-  return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
-}
-
-void ColorsFromLinear(int sh_degree, Gaussians* gaussians) {
-  constexpr float kConstant = kConstantSh;
-  const int coefficients = ShCount(sh_degree);
-  const GaussianRows all = gaussians->Rows();
-  ParallelBlocks(gaussians->size(), kColorGrain, [&](int64_t begin, int64_t end) {
-    for (int64_t i = begin; i < end; ++i) {
-      for (int c = 0; c < 3; ++c) {
-        float* sh = all.From(i).sh + c;
-        float squares = 0;
-        for (int k = 1; k < coefficients; ++k) squares += sh[3 * k] * sh[3 * k];
-        const float spread = std::sqrt(squares / (4 * std::numbers::pi_v<float>)), mean = 0.5f + kConstant * sh[0];
-        const float step = std::max(spread, kLeastSpread);
-        const float low = SrgbOfLinear(mean - step), high = SrgbOfLinear(mean + step);
-        sh[0] = ((spread > kLeastSpread ? (low + high) / 2 : SrgbOfLinear(mean)) - 0.5f) / kConstant;
-        for (int k = 1; k < coefficients; ++k) sh[3 * k] *= (high - low) / (2 * step);
-      }
-    }
-  });
 }
 
 }  // namespace oraclegs

@@ -9,6 +9,7 @@
 namespace oraclegs {
 
 inline constexpr int kSogVersion = 2;
+inline constexpr const char *kSogModel = "model", *kSogAntialiased = "antialiased";  ///< a key, and a value of it
 inline constexpr int kSogPaletteColumns = 64;         ///< sets of harmonics side by side in their image
 inline constexpr int kSogMostColors = 65536;          ///< sets of harmonics that a label can name
 inline constexpr uint8_t kSogFirstRotationTag = 252;  ///< alpha of a quaternion's pixel, plus its largest component

@@ -46,6 +46,7 @@ class SogReader {
     const int degree = harmonics.is_null() ? 0 : static_cast<int>(Integer(harmonics, "bands", kMaxShDegree));
     const ByteImage low = Pixels("means", 0), high = Pixels("means", 1);  // before memory is taken for Gaussians
     GaussianPly splat = ZeroSplat(count_, degree, file_);
+    splat.antialiased = meta_.value(kSogModel, nlohmann::json()) == kSogAntialiased;
     ReadMeans(low, high, splat.gaussians);
     ReadRotations(Pixels("quats", 0), splat.gaussians);
     const std::vector<float> scales = Codebook("scales"), colors = Codebook("sh0");

@@ -27,11 +27,12 @@ std::vector<float> CodebookWithin(std::vector<float> values, float low, float hi
 /// The images and the description of one file.
 class SogWriter {
  public:
-  SogWriter(const Gaussians& sorted, int degree) : g_(sorted), rows_(sorted.Rows()), degree_(degree) {
+  SogWriter(const Gaussians& sorted, int degree, bool antialiased) : g_(sorted), rows_(sorted.Rows()), degree_(degree) {
     const auto n = static_cast<double>(g_.size());
     width_ = std::max(4, static_cast<int>(std::ceil(std::sqrt(n) / 4)) * 4);
     height_ = std::max(4, static_cast<int>(std::ceil(n / width_ / 4)) * 4);
     meta_ = {{"version", kSogVersion}, {"asset", {{"generator", "oraclegs"}}}, {"count", g_.size()}};
+    if (antialiased) meta_[kSogModel] = kSogAntialiased;
   }
 
   std::string Write(const std::vector<float>& support) {
@@ -167,9 +168,9 @@ class SogWriter {
 
 }  // namespace
 
-std::string EncodeSog(const Gaussians& gaussians, int sh_degree, const std::vector<float>& support) {
+std::string EncodeSog(const Gaussians& gaussians, int sh_degree, const std::vector<float>& support, bool antialiased) {
   gaussians.Check("EncodeSog");
-  return SogWriter(gaussians.To(kCpu), sh_degree).Write(support);
+  return SogWriter(gaussians.To(kCpu), sh_degree, antialiased).Write(support);
 }
 
 }  // namespace oraclegs

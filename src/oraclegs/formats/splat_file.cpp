@@ -10,6 +10,7 @@
 #include "oraclegs/formats/codecs.h"
 #include "oraclegs/formats/spatial_order.h"
 #include "oraclegs/gaussians/selection.h"
+#include "oraclegs/scene/frame_comments.h"
 
 namespace oraclegs {
 namespace {
@@ -19,7 +20,7 @@ namespace fs = std::filesystem;
 constexpr int kMaxPasses = 4;      // writing again what a pass has lost
 constexpr int64_t kLostOf = 1000;  // one Gaussian in so many may be left out of a file that cannot hold it
 constexpr int64_t kCutOf = 10;     // from one in so many on, cut colors are a warning
-constexpr const char* kKsplat = ".ksplat";
+constexpr const char *kSpz = ".spz", *kKsplat = ".ksplat";
 
 constexpr float kAny = std::numeric_limits<float>::infinity();
 constexpr SplatPromise kFloats{0, 1e-4f, 0, -kAny, kAny, 0, kAny};  // docs/formats.md has the same numbers
@@ -32,6 +33,17 @@ std::vector<std::string> CommentsOf(const GaussianPly& splat) {
   std::vector<std::string> comments = splat.comments;
   if (splat.antialiased && !SaysAntialiased(comments)) comments.emplace_back(kAntialiasedComment);
   return comments;
+}
+
+/// USD wants a number: 1 where the length of a unit is not known.
+double MetersPerUnit(const GaussianPly& splat) {
+  const std::optional<double> known = UnitMetersOf(splat.comments);
+  return known ? *known : 1;
+}
+
+template <SpzVersion version>
+std::string EncodeSpzOf(const GaussianPly& splat) {
+  return EncodeSpz(splat.gaussians, splat.sh_degree, version, splat.antialiased);
 }
 
 /// A PLY of either kind, whatever its name ends with.
@@ -134,19 +146,20 @@ const std::vector<SplatFormat>& SplatFormats() {
        .keeps_antialiased = true,
        .decode = DecodeAnyPly,
        .encode = [](const GaussianPly& s) { return EncodeCompressedPly(s.gaussians, s.sh_degree, CommentsOf(s)); }},
-      {.extension = ".spz",
+      {.extension = kSpz,
        .promise = kSpzPromise,
        .order = FileOrder::kByPlace,
        .half_turn = kTurnAboutX,
        .keeps_antialiased = true,
        .decode = DecodeSpz,
-       .encode =
-           [](const GaussianPly& s) { return EncodeSpz(s.gaussians, s.sh_degree, SpzVersion::k3, s.antialiased); }},
+       .encode = EncodeSpzOf<SpzVersion::k3>},
       {.extension = ".sog",
        .promise = kSogPromise,
        .order = FileOrder::kByPlace,
+       .keeps_antialiased = true,
        .decode = DecodeSog,
-       .encode = [](const GaussianPly& s) { return EncodeSog(s.gaussians, s.sh_degree, s.marks.support); }},
+       .encode =
+           [](const GaussianPly& s) { return EncodeSog(s.gaussians, s.sh_degree, s.marks.support, s.antialiased); }},
       {.extension = ".splat",
        .promise = kSplatPromise,
        .max_sh_degree = 0,
@@ -163,7 +176,24 @@ const std::vector<SplatFormat>& SplatFormats() {
        .half_turn = kTurnAboutZ,
        .decode = DecodeGltf,
        .encode = [](const GaussianPly& s) { return EncodeGltfSpz(s.gaussians, s.sh_degree); }},
+      {.extension = ".usda",
+       .promise = kFloats,
+       .half_turn = kTurnAboutX,
+       .decode = DecodeUsda,
+       .encode = [](const GaussianPly& s) { return EncodeUsda(s.gaussians, s.sh_degree, MetersPerUnit(s)); }},
+      {.extension = ".usdz",
+       .promise = kFloats,
+       .half_turn = kTurnAboutX,
+       .decode = DecodeUsdz,
+       .encode = [](const GaussianPly& s) { return EncodeUsdz(s.gaussians, s.sh_degree, MetersPerUnit(s)); }},
   };
+  return formats;
+}
+
+std::vector<SplatFormat> WithSpz4(std::vector<SplatFormat> formats) {
+  for (SplatFormat& format : formats) {
+    if (format.extension == kSpz) format.encode = EncodeSpzOf<SpzVersion::k4>;
+  }
   return formats;
 }
 

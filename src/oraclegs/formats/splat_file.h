@@ -30,6 +30,9 @@ struct SplatFormat {
 /// All formats. Whoever reads, writes, turns or names splat files goes by these rows.
 const std::vector<SplatFormat>& SplatFormats();
 
+/// These formats, with .spz as version 4.
+std::vector<SplatFormat> WithSpz4(std::vector<SplatFormat> formats);
+
 /// The ends of their names: ".ply, .spz or .glb".
 std::string SplatExtensions(const std::vector<SplatFormat>& formats = SplatFormats());
 

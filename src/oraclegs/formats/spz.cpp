@@ -5,7 +5,6 @@
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/statistics.h"
-#include "oraclegs/formats/gzip.h"
 #include "oraclegs/formats/spz_container.h"
 
 namespace oraclegs {
@@ -136,14 +135,14 @@ std::string EncodeSpz(const Gaussians& gaussians, int sh_degree, SpzVersion vers
   const SpzLayout layout(static_cast<uint64_t>(n), sh_degree, static_cast<uint32_t>(version));
   const int bits = FractionalBits(turned);
   const auto steps = static_cast<float>(1 << bits);
-  std::string bytes(kSpzHeader + layout.end, '\0');
-  StoreLittle(bytes.data(), kSpzMagic);
-  StoreLittle(bytes.data() + 4, static_cast<uint32_t>(version));
-  StoreLittle(bytes.data() + 8, static_cast<uint32_t>(n));
-  bytes[12] = static_cast<char>(sh_degree);
-  bytes[13] = static_cast<char>(bits);
-  bytes[14] = static_cast<char>(antialiased ? kSpzAntialiased : 0);
-  char* out = bytes.data() + kSpzHeader;
+  SpzContent content;
+  content.version = static_cast<uint32_t>(version);
+  content.count = static_cast<uint32_t>(n);
+  content.degree = sh_degree;
+  content.fractional_bits = bits;
+  content.antialiased = antialiased;
+  content.attributes.resize(layout.end);
+  char* out = content.attributes.data();
   const GaussianRows rows = turned.Rows();
   ParallelBlocks(n, kSplatGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
@@ -166,7 +165,7 @@ std::string EncodeSpz(const Gaussians& gaussians, int sh_degree, SpzVersion vers
       }
     }
   });
-  return Gzip(bytes);
+  return PackSpz(content);
 }
 
 GaussianPly DecodeSpz(std::string_view bytes, const std::string& file) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/parallel.h"
 #include "oraclegs/formats/gzip.h"
 #include "oraclegs/formats/values.h"
 
@@ -16,7 +17,9 @@ namespace {
 constexpr uint32_t kOldestSpz = 1, kNewestSpz = 4;
 constexpr size_t kSpz4Header = 32, kSpz4TableRow = 16;
 constexpr int kHighestSpzDegree = 4;
-constexpr int kSpzExtended = 2;  // a flag
+constexpr int kSpzAntialiased = 1, kSpzExtended = 2;  // flags
+constexpr int kZstdLevel =
+    17;  // as slow as gzip at its best, and 3 % smaller; level 12 is 5 times as fast and no smaller
 
 // Packers shrink equal bytes a thousandfold, but the positions of a scene are mostly noise.
 constexpr uint64_t kSpzPlausibleBytes = 4 << 20, kSpzMostPerByte = 200;
@@ -53,18 +56,45 @@ SpzContent ParseSpzHeader(std::string_view header, size_t packed, const std::str
   return content;
 }
 
-/// The attributes of version 4, one after the other.
-std::string UnpackStreams(std::string_view bytes, const SpzContent& content, const std::string& file) {
+/// Where the attributes end that are streams of version 4; without harmonics there is none of them.
+std::vector<uint64_t> StreamEnds(const SpzContent& content) {
   const SpzLayout at(content.count, content.degree, content.version);
   std::vector<uint64_t> ends = {at.alphas, at.colors, at.scales, at.rotations, at.sh};
   if (at.end > at.sh) ends.push_back(at.end);
+  return ends;
+}
+
+/// The header behind its numbers, the table and the streams.
+std::string PackStreams(const SpzContent& content) {
+  const std::vector<uint64_t> ends = StreamEnds(content);
+  std::string bytes(kSpz4Header - kSpzHeader + ends.size() * kSpz4TableRow, '\0');
+  StoreLittle(bytes.data(), static_cast<uint32_t>(kSpz4Header));
+  char* row = bytes.data() + kSpz4Header - kSpzHeader;
+  std::vector<std::string> streams(ends.size());
+  ParallelFor(static_cast<int64_t>(ends.size()), [&](int64_t s) {
+    const uint64_t from = s == 0 ? 0 : ends[s - 1], length = ends[s] - from;
+    streams[s].resize(ZSTD_compressBound(length));
+    const size_t packed =
+        ZSTD_compress(streams[s].data(), streams[s].size(), content.attributes.data() + from, length, kZstdLevel);
+    if (ZSTD_isError(packed) != 0) throw RunError("zstd: cannot pack the splat: {}", ZSTD_getErrorName(packed));
+    streams[s].resize(packed);
+    StoreLittle(row + s * kSpz4TableRow, uint64_t{packed});
+    StoreLittle(row + s * kSpz4TableRow + 8, length);
+  });
+  for (const std::string& stream : streams) bytes += stream;
+  return bytes;
+}
+
+/// The attributes of version 4, one after the other.
+std::string UnpackStreams(std::string_view bytes, const SpzContent& content, const std::string& file) {
+  const std::vector<uint64_t> ends = StreamEnds(content);
   const uint64_t table = LoadLittle<uint32_t>(bytes, 16), streams = static_cast<uint8_t>(bytes[15]);
   if (streams != ends.size() || table < kSpz4Header || table > bytes.size() ||
       bytes.size() - table < streams * kSpz4TableRow) {
     throw InputError("{}: its table of {} streams at byte {} is damaged; copy or export it again", file, streams,
                      table);
   }
-  std::string attributes(at.end, '\0');
+  std::string attributes(ends.back(), '\0');
   uint64_t from = table + streams * kSpz4TableRow, to = 0;
   for (size_t s = 0; s < ends.size(); ++s) {
     const auto packed = LoadLittle<uint64_t>(bytes, table + s * kSpz4TableRow);
@@ -97,6 +127,19 @@ SpzLayout::SpzLayout(uint64_t n, int degree, uint32_t version)
   rotations = scales + 3 * n;
   sh = rotations + rotation_bytes * n;
   end = sh + sh_bytes * n;
+}
+
+std::string PackSpz(const SpzContent& content) {
+  std::string header(kSpzHeader, '\0');
+  StoreLittle(header.data(), kSpzMagic);
+  StoreLittle(header.data() + 4, content.version);
+  StoreLittle(header.data() + 8, content.count);
+  header[12] = static_cast<char>(content.degree);
+  header[13] = static_cast<char>(content.fractional_bits);
+  header[14] = static_cast<char>(content.antialiased ? kSpzAntialiased : 0);
+  if (content.version < kNewestSpz) return Gzip(header + content.attributes);
+  header[15] = static_cast<char>(StreamEnds(content).size());
+  return header + PackStreams(content);
 }
 
 SpzContent UnpackSpz(std::string_view bytes, const std::string& file) {

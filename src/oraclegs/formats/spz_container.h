@@ -10,7 +10,6 @@ namespace oraclegs {
 
 inline constexpr uint32_t kSpzMagic = 0x5053474e;  // "NGSP"
 inline constexpr size_t kSpzHeader = 16;           // bytes, of versions 1 to 3
-inline constexpr int kSpzAntialiased = 1;          // a flag
 inline constexpr int kMaxFractionalBits = 23;
 
 /// Where each attribute begins, for n Gaussians, counted from the first one.
@@ -28,6 +27,9 @@ struct SpzContent {
   bool extended = false;   ///< it has records of extensions, which are not read
   std::string attributes;  ///< as SpzLayout says
 };
+
+/// The bytes of a file of version 2 to 4. Throws RunError where zstd fails.
+std::string PackSpz(const SpzContent& content);
 
 /// Throws InputError naming `file`: no SPZ or one of another version, lengths that do not fit, more than 4 MiB that
 /// were packed to less than 1/200, no Gaussians.

@@ -12,6 +12,8 @@ namespace {
 
 constexpr uint16_t kZipDate = (2020 - 1980) << 9 | 1 << 5 | 1;  // of every file: the bytes must not depend on the clock
 constexpr size_t kMostGrowth = 4, kFreeGrowth = size_t{1} << 22;  // images and short texts shrink by no more
+constexpr size_t kZipFileHeader = 30, kZipFieldHeader = 4;        // before a file's name, and before its extra field
+constexpr uint16_t kZipPadding = 0x1986;                          // a field that means nothing
 constexpr size_t kZipStep = size_t{1} << 16;
 
 struct DiscardZip {
@@ -31,7 +33,7 @@ using ZipSourcePointer = std::unique_ptr<zip_source_t, FreeZipSource>;
 
 }  // namespace
 
-std::string WriteZip(const std::vector<std::pair<std::string, std::string>>& files) {
+std::string WriteZip(const std::vector<std::pair<std::string, std::string>>& files, size_t alignment) {
   const ZipSourcePointer memory(zip_source_buffer_create(nullptr, 0, 0, nullptr));
   if (memory == nullptr) FailToWrite();
   zip_source_keep(memory.get());  // one more owner: the archive gives its own up when it is closed
@@ -40,6 +42,7 @@ std::string WriteZip(const std::vector<std::pair<std::string, std::string>>& fil
     zip_source_free(memory.get());
     FailToWrite();
   }
+  size_t written = 0;
   for (const auto& [name, bytes] : files) {
     zip_source_t* source = zip_source_buffer(zip.get(), bytes.data(), bytes.size(), 0);
     const zip_int64_t index = source == nullptr ? -1 : zip_file_add(zip.get(), name.c_str(), source, ZIP_FL_ENC_UTF_8);
@@ -48,6 +51,16 @@ std::string WriteZip(const std::vector<std::pair<std::string, std::string>>& fil
     if (index < 0 || zip_set_file_compression(zip.get(), entry, ZIP_CM_STORE, 0) != 0 ||
         zip_file_set_dostime(zip.get(), entry, 0, kZipDate, 0) != 0) {
       FailToWrite();
+    }
+    if (alignment > 1) {
+      written += kZipFileHeader + name.size() + kZipFieldHeader;
+      const std::string padding((alignment - written % alignment) % alignment, '\0');
+      if (zip_file_extra_field_set(zip.get(), entry, kZipPadding, ZIP_EXTRA_FIELD_NEW,
+                                   reinterpret_cast<const zip_uint8_t*>(padding.data()),
+                                   static_cast<zip_uint16_t>(padding.size()), ZIP_FL_LOCAL) != 0) {
+        FailToWrite();
+      }
+      written += padding.size() + bytes.size();
     }
   }
   if (zip_close(zip.get()) != 0) FailToWrite();

@@ -8,8 +8,9 @@
 
 namespace oraclegs {
 
-/// A zip archive of (name, bytes) in this order, stored as they are; the same bytes every time. Throws RunError.
-std::string WriteZip(const std::vector<std::pair<std::string, std::string>>& files);
+/// A zip archive of (name, bytes) in this order, stored as they are; the same bytes every time. Those of a file begin
+/// at a multiple of `alignment`. Throws RunError.
+std::string WriteZip(const std::vector<std::pair<std::string, std::string>>& files, size_t alignment = 1);
 
 /// The files of an archive by name. Throws InputError naming `archive`: no zip, damaged, encrypted, more files than
 /// `max_files`, or many times larger unpacked than packed.

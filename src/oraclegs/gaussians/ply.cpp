@@ -158,7 +158,12 @@ GaussianMarks ReadMarks(std::string_view bytes, const PlyHeader& header, const P
 }  // namespace
 
 bool SaysAntialiased(const std::vector<std::string>& comments) {
-  return std::find(comments.begin(), comments.end(), kAntialiasedComment) != comments.end();
+  bool says = false;
+  for (const std::string& comment : comments) {
+    if (comment.starts_with("SplatRenderMode: ")) says = comment == kAntialiasedComment;
+    if (comment.starts_with("antialiased ")) says = comment == "antialiased 1";
+  }
+  return says;
 }
 
 std::string DegreeLeftOut(int degree, const std::string& file) {

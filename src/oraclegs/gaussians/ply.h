@@ -27,6 +27,7 @@ struct GaussianPly {
 
 /// The comment of a PLY whose model was trained antialiased, as other trainers write it.
 inline constexpr char kAntialiasedComment[] = "SplatRenderMode: mip";
+/// True where the last comment about it says so, in these words or in Postshot's ("antialiased 1").
 bool SaysAntialiased(const std::vector<std::string>& comments);
 
 /// Reads such a file from any trainer: properties found by name in any order, other properties and elements skipped,

@@ -15,6 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kZstdSpz = 4;  // a version of SPZ
+
 /// An axis of a file, in the program's axes.
 Eigen::Vector3d ProgramAxis(Eigen::Vector3d axis, unsigned half_turn) {
   for (int c = 0; c < 3; ++c) {
@@ -66,7 +68,11 @@ void CheckExport(const ExportFiles& files, const ExportOptions& options) {
     throw UsageError("{}: is a folder; name the file to write, for example {}", to.string(),
                      (to / "scene.spz").string());
   }
-  SplatFormatOf(to, formats);
+  const SplatFormat& format = SplatFormatOf(to, formats);
+  if (options.spz_version != ExportOptions{}.spz_version && format.extension != ".spz") {
+    throw UsageError("{}: is no .spz file, which --spz-version is for; leave the option out or name a .spz",
+                     to.string());
+  }
   if (fs::equivalent(from, to, ignored)) {
     throw UsageError("{}: is the input itself, which an export never overwrites; choose another -o", to.string());
   }
@@ -122,7 +128,7 @@ ExportResult ExportSplat(const ExportFiles& files, const ExportOptions& options,
     }
   }
   const int degree = std::min(kept.sh_degree, format.max_sh_degree);
-  const int64_t written = WriteSplat(to, kept, listener, formats);
+  const int64_t written = WriteSplat(to, kept, listener, options.spz_version == kZstdSpz ? WithSpz4(formats) : formats);
   listener(FileWritten{to});
   return {format.extension, splat.gaussians.size(), written, degree, fs::file_size(to)};
 }

@@ -20,6 +20,7 @@ struct ExportOptions {
   std::string crop = {};
   std::string up = {};
   Auto<double> scale = {};
+  int spz_version = 3;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
@@ -46,6 +47,9 @@ struct ExportOptions {
           "Make the model this many times as large; auto = such that a unit is a meter, where the model says how long "
           "its units are, else 1",
           Range{1e-6, 1e6});
+    visit("spz-version", self.spz_version,
+          "Version of a .spz file: 3, which all of its viewers open, or 4, the same numbers packed by zstd",
+          Range{3, 4});
   }
 };
 
