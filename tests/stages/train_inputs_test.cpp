@@ -99,12 +99,16 @@ TEST(TrainInputs, SayWhatTheTrainingIsSettledFrom) {
   EXPECT_GT(EvidenceOf(TrainingViews({}), geometry).exposure_spread, kVariedExposure);
 }
 
-TEST(MeanSquaredConfidence, IsThatOfAllPixels) {
+TEST(MeanSquaredConfidence, IsThatOfPixelsThatTeach) {
   std::vector<TrainView> proposals(2);
   proposals[0].pixel_weight = Buffer<float>::Full({4, 6}, 1.f);
+  proposals[0].image = Buffer<float>::Full({4, 6, 3}, 1.f);
   proposals[1].pixel_weight = Buffer<float>::Full({4, 6}, 0.5f);
-  EXPECT_NEAR(MeanSquaredConfidence(proposals).value(), (1 + 0.25) / 2, 1e-12);
-  EXPECT_FALSE(MeanSquaredConfidence({}).has_value());
+  proposals[1].image = Buffer<float>::Full({4, 6, 3}, 0.3f);
+  EXPECT_NEAR(MeanSquaredConfidence(proposals, std::nullopt).value(), (1 + 0.25) / 2, 1e-12);
+  EXPECT_NEAR(MeanSquaredConfidence(proposals, {{1, 1, 1}}).value(), 0.25, 1e-12) << "plain white teaches nothing";
+  EXPECT_FALSE(MeanSquaredConfidence({proposals[0]}, {{1, 1, 1}}).has_value());
+  EXPECT_FALSE(MeanSquaredConfidence({}, std::nullopt).has_value());
 }
 
 TEST(TrainInputs, SaveExposuresByName) {

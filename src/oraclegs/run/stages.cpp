@@ -17,7 +17,7 @@ const std::vector<Stage>& Stages() {
       {"proxies", 4, {"depth"}, ProxyStage()},
       {"propose", 3, {"depth", "proxies"}, ProposeStage()},
       {"validate", 5, {"propose"}, ValidateStage()},
-      {"train", 3, {"sfm", "depth", "validate"}, TrainStage()},
+      {"train", 4, {"sfm", "depth", "validate"}, TrainStage()},
       {"evaluate", 4, {"train"}, EvaluateStage()},
       {"report", 1, {"evaluate"}, ReportStage()},
   };

@@ -11,6 +11,7 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/depth/gains.h"
+#include "oraclegs/image/color_error.h"
 #include "oraclegs/networks/loader.h"
 #include "oraclegs/propose/warp.h"
 #include "oraclegs/settings/device.h"
@@ -20,6 +21,7 @@ namespace oraclegs {
 namespace {
 
 constexpr double kLargestExposure = 1e6;  // of a number in a color map
+constexpr float kBackdropNoise = 0.006f;  // ColorError of plain background: a proposal is rounded to bytes
 
 Buffer<float> ToMap(const std::vector<float>& values, const Camera& camera) {
   return Buffer<float>::From({camera.height, camera.width}, std::span<const float>(values));
@@ -103,15 +105,18 @@ TrainEvidence EvidenceOf(const TrainingViews& training, const Geometry& geometry
           .photos = training.views.size()};
 }
 
-std::optional<double> MeanSquaredConfidence(const std::vector<TrainView>& proposals) {
-  if (proposals.empty()) return std::nullopt;
+std::optional<double> MeanSquaredConfidence(const std::vector<TrainView>& proposals,
+                                            const std::optional<std::array<float, 3>>& backdrop) {
   double squares = 0, pixels = 0;
   for (const TrainView& view : proposals) {
-    const Buffer<float> confidence = view.Weights();
-    for (const float u : confidence.span()) squares += static_cast<double>(u) * static_cast<double>(u);
-    pixels += static_cast<double>(confidence.count());
+    const Buffer<float> confidence = view.Weights(), image = view.Image();
+    for (int64_t p = 0; p < confidence.count(); ++p) {
+      if (backdrop && ColorError(image.data() + 3 * p, backdrop->data()) < kBackdropNoise) continue;
+      squares += static_cast<double>(confidence[p]) * static_cast<double>(confidence[p]);
+      ++pixels;
+    }
   }
-  return squares / pixels;
+  return pixels > 0 ? std::optional(squares / pixels) : std::nullopt;
 }
 
 std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geometry& geometry, DepthLoss depth_loss) {

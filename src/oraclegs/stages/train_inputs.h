@@ -2,6 +2,7 @@
 // Inputs of the trainer: views with what stereo knows of them, and the evidence that its options are settled from.
 
 #include <Eigen/Core>
+#include <array>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -21,8 +22,10 @@ namespace oraclegs {
 /// Evidence of the photos and their depth; none yet of proposals.
 TrainEvidence EvidenceOf(const TrainingViews& training, const Geometry& geometry);
 
-/// Mean over all pixels of the proposals; nullopt without proposals.
-std::optional<double> MeanSquaredConfidence(const std::vector<TrainView>& proposals);
+/// Mean over the pixels of the proposals that can teach something: with a `backdrop`, the color before which an object
+/// stands, all that differ from it. nullopt without such pixels.
+std::optional<double> MeanSquaredConfidence(const std::vector<TrainView>& proposals,
+                                            const std::optional<std::array<float, 3>>& backdrop);
 
 /// The views as the trainer takes them: with depth where it is confident or a network's, with emptiness (inverse depth
 /// 0) beside an object's silhouette unless `depth_loss` is the paper's, and starting from the exposures stereo found.

@@ -147,7 +147,10 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
 TrainOptions SettledOptions(const Run& run, const TrainingViews& training) {
   TrainEvidence found = EvidenceOf(training, run.results->geometry);
   found.proposals = run.results->proposals.size();
-  if (ProxiesAlonePropose(run)) found.proxy_trust = MeanSquaredConfidence(run.results->proposals);
+  if (ProxiesAlonePropose(run)) {
+    const auto backdrop = found.is_object ? std::optional(BackgroundColor(run.plan.image.background)) : std::nullopt;
+    found.proxy_trust = MeanSquaredConfidence(run.results->proposals, backdrop);
+  }
   return SettleTraining(run.options.train, found, run.listener);
 }
 
