@@ -16,7 +16,21 @@
 
 namespace oraclegs {
 
-enum class SceneFormat { kColmap, kTransforms, kBlender, kPhotos };
+/// The format a scene was read from. The values stand in keys of runs.
+enum class SceneFormat {
+  kColmap = 0,
+  kTransforms = 1,
+  kBlender = 2,
+  kPhotos = 3,
+  kLlff = 4,
+  kNeus = 5,
+  kBundler = 6,
+  kMetashape = 7,
+  kRealityScan = 8,
+};
+
+/// Words for people: "COLMAP model", "photos without poses".
+const char* SceneFormatName(SceneFormat format);
 
 /// Which file of a Blender-style scene a view came from, or which list of a transforms.json names it; else kNone.
 enum class DeclaredRole { kNone, kTrain, kVal, kTest };
