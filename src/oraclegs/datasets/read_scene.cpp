@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <system_error>
+#include <vector>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/text.h"
@@ -10,6 +11,7 @@
 #include "oraclegs/datasets/llff.h"
 #include "oraclegs/datasets/metashape.h"
 #include "oraclegs/datasets/neus.h"
+#include "oraclegs/datasets/point_file.h"
 #include "oraclegs/datasets/reality_scan.h"
 #include "oraclegs/scene/capture_layout.h"
 #include "oraclegs/scene/find_model.h"
@@ -39,15 +41,15 @@ void RequireFolder(const fs::path& path, const char* fix) {
 /// Links are followed wherever they lead: a file's text cannot make one.
 void RequireInside(const Scene& scene, const fs::path& root, const SceneReadOptions& options) {
   if (options.allow_outside) return;
-  for (const SceneView& view : scene.views) {
-    for (const fs::path& path : {view.image_path, view.mask_path}) {
-      if (path.empty() || LiesIn(root, path)) continue;
-      if (!options.images.empty() && LiesIn(root / options.images, path)) continue;
-      throw InputError(
-          "{}: names {}, which lies outside the scene's folder; move it there, or add --allow-outside if you trust the "
-          "scene",
-          root.string(), OneLine(path.string()));
-    }
+  std::vector<fs::path> named{scene.point_file};
+  for (const SceneView& view : scene.views) named.insert(named.end(), {view.image_path, view.mask_path});
+  for (const fs::path& path : named) {
+    if (path.empty() || LiesIn(root, path)) continue;
+    if (!options.images.empty() && LiesIn(root / options.images, path)) continue;
+    throw InputError(
+        "{}: names {}, which lies outside the scene's folder; move it there, or add --allow-outside if you trust the "
+        "scene",
+        root.string(), OneLine(path.string()));
   }
 }
 
@@ -124,6 +126,7 @@ Scene ReadScene(const fs::path& folder, const SceneReadOptions& options, const L
   if (scene.HasPoses()) RequireInside(scene, root, options);
   scene.root = root;
   if (scene.HasPoses()) FitCamerasToImages(&scene, listener);
+  ReadPointFile(listener, &scene);
   RequireUtf8Names(scene);
   for (const char* folder : {"masks", "mask"}) AttachMasks(root / folder, listener, &scene);
   CheckMasks(&scene, listener);

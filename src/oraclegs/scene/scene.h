@@ -62,6 +62,7 @@ struct Scene {
   SceneFormat format = SceneFormat::kPhotos;
   std::vector<SceneView> views;
   std::vector<ScenePoint> points;
+  std::filesystem::path point_file;  ///< a PLY of points without tracks that the scene's files name, not yet read
   std::vector<std::string> missing_images;  ///< posed in the scene's files, but without an image file; left out
 
   bool HasPoses() const { return format != SceneFormat::kPhotos; }

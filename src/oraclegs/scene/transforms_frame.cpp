@@ -8,6 +8,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/brown_lens.h"
@@ -86,7 +87,10 @@ bool IsFisheye(const TransformsFrame& frame) {
     const json* flag = frame.Find("is_fisheye");  // instant-ngp's way to say it
     return flag && flag->is_boolean() && flag->get<bool>();
   }
-  throw InputError("{}: camera_model '{}' is not supported; undistort the photos to PINHOLE first", frame.place, model);
+  throw InputError("{}: camera_model '{}' is not supported; {}", frame.place, Printable(model),
+                   model == "EQUIRECTANGULAR" ? "cut the panoramas into flat views first (Nerfstudio: ns-process-data "
+                                                "images --camera-type equirectangular)"
+                                              : "undistort the photos to PINHOLE first");
 }
 
 /// Puts the words NaN, Infinity and -Infinity, which Python writes and JSON does not know, in quotes, so that the error
