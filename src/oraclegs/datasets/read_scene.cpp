@@ -12,6 +12,7 @@
 #include "oraclegs/datasets/metashape.h"
 #include "oraclegs/datasets/neus.h"
 #include "oraclegs/datasets/point_file.h"
+#include "oraclegs/datasets/polycam.h"
 #include "oraclegs/datasets/reality_scan.h"
 #include "oraclegs/scene/capture_layout.h"
 #include "oraclegs/scene/find_model.h"
@@ -61,7 +62,8 @@ struct DatasetFormat {
 
 /// The format of a folder without a COLMAP model or JSON; null when it is none that is known.
 const DatasetFormat* FindDataset(const fs::path& root) {
-  static constexpr DatasetFormat kFormats[] = {{IsLlffScene, ReadLlffScene},
+  static constexpr DatasetFormat kFormats[] = {{IsPolycamScene, ReadPolycamScene},
+                                               {IsLlffScene, ReadLlffScene},
                                                {IsNeusScene, ReadNeusScene},
                                                {IsMetashapeScene, ReadMetashapeScene},
                                                {IsRealityScanScene, ReadRealityScanScene},

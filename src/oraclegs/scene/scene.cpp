@@ -81,6 +81,8 @@ const char* SceneFormatName(SceneFormat format) {
       return "Metashape's cameras (XML)";
     case SceneFormat::kRealityScan:
       return "RealityScan's cameras (CSV)";
+    case SceneFormat::kPolycam:
+      return "Polycam's raw export";
     case SceneFormat::kPhotos:
       break;
   }

@@ -27,6 +27,7 @@ enum class SceneFormat {
   kBundler = 6,
   kMetashape = 7,
   kRealityScan = 8,
+  kPolycam = 9,
 };
 
 /// Words for people: "COLMAP model", "photos without poses".
