@@ -96,11 +96,11 @@ void AddDatasets(const Corpus& corpus) {
 
 void AddSplats(const Corpus& corpus) {
   const Gaussians g = PlausibleGaussians(2);
-  const std::vector<float> support = {0.25f, 1.f};
+  const GaussianMarks marks{{0.25f, 1.f}};
   for (const int degree : {0, 1, 3}) {
     const std::string name = "degree" + std::to_string(degree);
     corpus.Add("ply", name, corpus.Written("a.ply", [&](const fs::path& path) {
-      WriteGaussianPly(path, g, degree, {"a unit is 2 m"}, support);
+      WriteGaussianPly(path, g, degree, {"a unit is 2 m"}, marks);
     }));
     corpus.Add("ply", "compressed-" + name, EncodeCompressedPly(g, degree, {"comment"}));
     for (const SpzVersion version : {SpzVersion::k2, SpzVersion::k3}) {
@@ -108,13 +108,13 @@ void AddSplats(const Corpus& corpus) {
       corpus.Add("spz", of, file);
       corpus.Add("spz", "unpacked-" + of, Gunzip(file, "f").Next(1 << 20));
     }
-    corpus.Add("sog", name, EncodeSog(g, degree, support));
+    corpus.Add("sog", name, EncodeSog(g, degree, marks.support));
     const auto two_parts = [](const std::string& glb, bool unpack) {
       const auto length = LoadLittle<uint32_t>(glb, 12);
       const std::string bin = glb.substr(28 + length);
       return glb.substr(20, length) + "====\n" + (unpack ? Gunzip(bin, "f").Next(1 << 20) : bin);
     };
-    const std::string glb = EncodeGltf(g, degree, support), packed = EncodeGltfSpz(g, degree);
+    const std::string glb = EncodeGltf(g, degree, marks.support), packed = EncodeGltfSpz(g, degree);
     corpus.Add("gltf", name, glb);
     corpus.Add("gltf", "parts-" + name, two_parts(glb, false));
     corpus.Add("gltf", "spz-" + name, packed);
