@@ -47,6 +47,7 @@ TEST(ParseNpy, RefusesOtherNumbers) {
 TEST(ParseNpy, RefusesLengthsThatDoNotFit) {
   const std::string whole = NpyOf("(2, 3)", kSix);
   EXPECT_THAT(NpyError(NpyOf("(0, 17)", "")), HasSubstr("its shape '(0, 17)'"));
+  EXPECT_THAT(NpyError(NpyOf("()", "1234567")), HasSubstr("its shape '()'"));
   EXPECT_THAT(NpyError("PK"), HasSubstr("a.npy: is not a .npy file"));
   EXPECT_THAT(NpyError(whole.substr(0, 20)), HasSubstr("cut short within its header"));
   EXPECT_THAT(NpyError(whole.substr(0, whole.size() - 1)), HasSubstr("fewer than its shape"));

@@ -55,6 +55,8 @@ TEST_F(RealityScanTest, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(ReadError(), HasSubstr("export.csv: names no photo"));
   Write(head + "\n000.png,1,2\n");
   EXPECT_THAT(ReadError(), HasSubstr("line 3: has 3 cells, and the first line names 10"));
+  Write("#name,x,y,alt,heading,pitch,roll,f,f,f,px\n000.png,1,2,3,4,5,6,50,0,0\n");
+  EXPECT_THAT(ReadError(), HasSubstr("line 2: has 10 cells, and the first line names 11"));
   Write(head + "000.png,1,2,3,4,5,6,7;5,0,0\n");
   EXPECT_THAT(ReadError(), HasSubstr("line 2 (000.png): f is '7;5', expected a number with a point"));
   Write(head + "000.png,1,2,3,4,5,6,50,0.7,0\n");

@@ -47,7 +47,7 @@ std::optional<std::vector<int64_t>> ShapeOf(std::string_view value, int64_t max)
   while (true) {
     while (at < value.size() && (value[at] == ' ' || value[at] == ',')) ++at;
     if (at >= value.size() || shape.size() > kMaxAxes) return std::nullopt;
-    if (value[at] == ')') return shape;
+    if (value[at] == ')') return product <= max ? std::optional(shape) : std::nullopt;
     if (!std::isdigit(static_cast<unsigned char>(value[at]))) return std::nullopt;
     int64_t side = 0;
     for (; at < value.size() && std::isdigit(static_cast<unsigned char>(value[at])); ++at) {

@@ -65,6 +65,7 @@ struct CsvRow {
 
 struct CameraTable {
   std::map<std::string, size_t> columns;
+  size_t width = 0;  ///< columns of the first line, of which some may have one name
   std::vector<std::pair<std::vector<std::string>, int>> rows;  ///< cells and line
 };
 
@@ -77,13 +78,14 @@ CameraTable ParseTable(const std::string& text, const std::string& file) {
     begin = end + 1;
     std::vector<std::string> cells = CellsOf(line);
     if (++number == 1) {
-      for (size_t c = 0; c < cells.size(); ++c) table.columns.emplace(cells[c], c);
+      table.width = cells.size();
+      for (size_t c = 0; c < table.width; ++c) table.columns.emplace(cells[c], c);
       continue;
     }
     if (cells.size() == 1 && cells[0].empty()) continue;
-    if (cells.size() < table.columns.size()) {
+    if (cells.size() < table.width) {
       throw InputError("{}: line {}: has {}, and the first line names {}; is the file cut short?", file, number,
-                       Counted(cells.size(), "cell"), table.columns.size());
+                       Counted(cells.size(), "cell"), table.width);
     }
     table.rows.emplace_back(std::move(cells), number);
   }

@@ -77,7 +77,7 @@ void ReportUnread(const fs::path& path, const json& file, const Listener& listen
 fs::path PointFileOf(const fs::path& path, const json& file, const Listener& listener) {
   const auto written = TransformsFrame{file, file, path.string()}.FindText("ply_file_path");
   if (!written) return {};
-  const fs::path points = path.parent_path() / WithSlashes(*written);
+  fs::path points = path.parent_path() / WithSlashes(*written);
   if (IsFile(points)) return points;
   listener(Warning{fmt::format("{}: names points ({}) that do not exist; they are triangulated anew", path.string(),
                                OneLine(*written))});
