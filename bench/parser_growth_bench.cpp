@@ -166,7 +166,8 @@ int RunGrowth(const char* word) {
   std::printf("%-16s %-34s %10s %10s %12s %5s %5s %5s %5s\n", "parser", "input", "bytes", "seconds", "heap bytes",
               "time", "end", "heap", "end");
   int failures = 0;
-  for (const auto& inputs : {SplatInputs(), SceneInputs(), PhotoInputs(), WeightInputs(), RunInputs()}) {
+  for (const auto& inputs :
+       {SplatInputs(), SceneInputs(), DatasetInputs(), PhotoInputs(), WeightInputs(), RunInputs()}) {
     for (const ParserInput& input : inputs) {
       if ((input.parser + " " + input.input).find(word) == std::string::npos) continue;
       failures += ShowGrowth(input) ? 0 : 1;

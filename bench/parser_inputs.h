@@ -18,6 +18,7 @@ struct ParserInput {
 
 std::vector<ParserInput> SplatInputs();
 std::vector<ParserInput> SceneInputs();
+std::vector<ParserInput> DatasetInputs();
 std::vector<ParserInput> PhotoInputs();
 std::vector<ParserInput> WeightInputs();
 std::vector<ParserInput> RunInputs();

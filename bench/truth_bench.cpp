@@ -13,12 +13,12 @@
 
 #include "bench/haze.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/datasets/read_scene.h"
 #include "oraclegs/depth/depth_files.h"
 #include "oraclegs/image/codecs.h"
 #include "oraclegs/render/surface.h"
 #include "oraclegs/run/start.h"
 #include "oraclegs/scene/loaded_view.h"
-#include "oraclegs/scene/read_scene.h"
 #include "oraclegs/stages/evaluate_stage.h"
 
 namespace oraclegs {

@@ -11,7 +11,7 @@ libraries=(
   # files, command line, log
   nlohmann-json3-dev libcli11-dev libspdlog-dev libfmt-dev
   libturbojpeg0-dev libpng-dev zlib1g-dev libsqlite3-dev libcurl4-openssl-dev libcairo2-dev libwebp-dev libzip-dev libzstd-dev
-  libheif-dev libtiff-dev libmeshoptimizer-dev
+  libheif-dev libtiff-dev libmeshoptimizer-dev libpugixml-dev
   libcpp-httplib-dev
   # tests and benchmarks
   libgtest-dev libgmock-dev libbenchmark-dev

@@ -37,7 +37,7 @@ class WorkspaceCommand : public Command {
     BindInputs(
         "input", &request_.inputs,
         "What to reconstruct, never written to: a folder of photos or a posed scene (COLMAP model, transforms.json, "
-        "Blender), or any number of photos, videos, zip archives and folders of photos");
+        "Blender, LLFF, Metashape, ...), or any number of photos, videos, zip archives and folders of photos");
     Bind("Input", &request_.options.capture);
     Bind("Output", &workspace_);
     if (offers.view) {

@@ -3,6 +3,7 @@
 
 #include <sqlite3.h>
 
+#include "datasets/dataset_files.h"
 #include "formats/splats.h"
 #include "fuzz/fuzz.h"
 #include "image/jpeg_files.h"
@@ -66,13 +67,40 @@ void AddColmap(const Corpus& corpus) {
              points + Little(2, 8) + Little(1, 4) + Little(0, 4) + Little(2, 4) + Little(0, 4));
 }
 
+/// Two views with a distorted lens, by the writers that the tests of the readers have.
+void AddDatasets(const Corpus& corpus) {
+  std::vector<SceneView> views(2);
+  for (size_t i = 0; i < views.size(); ++i) {
+    views[i].name = std::to_string(i + 1) + ".png";
+    views[i].intrinsics = {CameraModel::kPinhole, 4, 3, {5, 5, 2, 1.5}};
+    views[i].cam_from_world =
+        Eigen::Isometry3d(Eigen::AngleAxisd(0.3 * static_cast<double>(i), Eigen::Vector3d::UnitY()));
+    views[i].cam_from_world->translation() = Eigen::Vector3d(static_cast<double>(i), 0, 2);
+  }
+  corpus.Add("llff", "two", LlffFile(views));
+  const std::string identity = NpyOf("(4, 4)", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
+  std::string arrays;
+  for (const auto& [name, array] : ReadZip(NeusFile(views), 10, "seed")) {
+    if (name.starts_with("world")) arrays += array + "\n====\n";
+  }
+  corpus.Add("neus", "arrays", arrays + identity + "\n====\n" + identity);
+  corpus.Add("neus", "archive", NeusFile(views));
+  const std::vector<ScenePoint> points = {{{1, 2, 3}, {1, 2, 3}, {0, 1}}};
+  corpus.Add("bundler", "two", BundleFile(views, points, -0.1, 0.01) + "====\n" + BundleList(views));
+  corpus.Add("metashape", "two", MetashapeXml(views, "<b1>1</b1><b2>1</b2><k1>0.1</k1><k3>0.1</k3><p1>0.1</p1>"));
+  corpus.Add("polycam", "one",
+             R"({"fx":5,"fy":5,"cx":2,"cy":1.5,"width":4,"height":3,"t_00":1,"t_01":0,"t_02":0,"t_03":1,"t_10":0,)"
+             R"("t_11":1,"t_12":0,"t_13":2,"t_20":0,"t_21":0,"t_22":1,"t_23":3})");
+  corpus.Add("reality_scan", "two", RealityScanCsv(views, "0.1,0.2,0.3,0,0.01,0.02"));
+}
+
 void AddSplats(const Corpus& corpus) {
   const Gaussians g = PlausibleGaussians(2);
-  const std::vector<float> support = {0.25f, 1.f};
+  const GaussianMarks marks{{0.25f, 1.f}};
   for (const int degree : {0, 1, 3}) {
     const std::string name = "degree" + std::to_string(degree);
     corpus.Add("ply", name, corpus.Written("a.ply", [&](const fs::path& path) {
-      WriteGaussianPly(path, g, degree, {"a unit is 2 m"}, {support});
+      WriteGaussianPly(path, g, degree, {"a unit is 2 m"}, marks);
     }));
     corpus.Add("ply", "compressed-" + name, EncodeCompressedPly(g, degree, {"comment"}));
     corpus.Add("spz", name + "-4", EncodeSpz(g, degree, SpzVersion::k4));
@@ -83,13 +111,13 @@ void AddSplats(const Corpus& corpus) {
       corpus.Add("spz", of, file);
       corpus.Add("spz", "unpacked-" + of, Gunzip(file, "f").Next(1 << 20));
     }
-    corpus.Add("sog", name, EncodeSog(g, degree, support));
+    corpus.Add("sog", name, EncodeSog(g, degree, marks.support));
     const auto two_parts = [](const std::string& glb, bool unpack) {
       const auto length = LoadLittle<uint32_t>(glb, 12);
       const std::string bin = glb.substr(28 + length);
       return glb.substr(20, length) + "====\n" + (unpack ? Gunzip(bin, "f").Next(1 << 20) : bin);
     };
-    const std::string glb = EncodeGltf(g, degree, support), packed = EncodeGltfSpz(g, degree);
+    const std::string glb = EncodeGltf(g, degree, marks.support), packed = EncodeGltfSpz(g, degree);
     corpus.Add("gltf", name, glb);
     corpus.Add("gltf", "parts-" + name, two_parts(glb, false));
     corpus.Add("gltf", "spz-" + name, packed);
@@ -287,6 +315,7 @@ int main(int argc, char** argv) {
   if (argc != 2) return 2;
   const oraclegs::Corpus corpus(argv[1]);
   oraclegs::AddColmap(corpus);
+  oraclegs::AddDatasets(corpus);
   oraclegs::AddSplats(corpus);
   oraclegs::AddImages(corpus);
   oraclegs::AddWeights(corpus);

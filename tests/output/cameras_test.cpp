@@ -3,9 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/datasets/read_scene.h"
 #include "oraclegs/image/codecs.h"
 #include "oraclegs/image/read_image.h"
-#include "oraclegs/scene/read_scene.h"
 #include "oraclegs/scene/transforms.h"
 #include "run/trained.h"
 

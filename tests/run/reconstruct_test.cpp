@@ -1,6 +1,6 @@
 #include "oraclegs/run/reconstruct.h"
 
-#include "oraclegs/scene/read_scene.h"
+#include "oraclegs/datasets/read_scene.h"
 #include "run/trained.h"
 #include "support/errors.h"
 

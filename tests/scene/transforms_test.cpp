@@ -117,9 +117,35 @@ TEST_F(TransformsTest, NamesWhatIsNotRead) {
   WriteImage(root() / "a.png");
   json a = Frame("a.png");
   a["depth_file_path"] = "depth/a.png";
-  WriteText(root() / "transforms.json", json{{"fl_x", 5}, {"ply_file_path", "p.ply"}, {"frames", {a}}}.dump());
+  Write({a});
   Read();
-  EXPECT_THAT(events_.notes, ElementsAre(HasSubstr("names depth maps (depth_file_path) and points (ply_file_path)")));
+  EXPECT_THAT(events_.notes, ElementsAre(HasSubstr("names depth maps (depth_file_path), which are not read")));
+}
+
+TEST_F(TransformsTest, FindsTheStartCloud) {
+  WriteImage(root() / "a.png");
+  const auto write = [&](const json& points) {
+    WriteText(root() / "transforms.json",
+              json{{"fl_x", 5}, {"ply_file_path", points}, {"frames", {Frame("a.png")}}}.dump());
+  };
+  write("clouds\\p.ply");
+  EXPECT_TRUE(Read().point_file.empty());
+  EXPECT_THAT(events_.warnings, ElementsAre(HasSubstr("names points (clouds\\p.ply) that do not exist")));
+  WriteText(root() / "clouds/p.ply", "");
+  EXPECT_EQ(Read().point_file, root() / "clouds/p.ply");
+  write(7);
+  EXPECT_THAT(ReadError(), HasSubstr("\"ply_file_path\" is not text"));
+}
+
+/// The poses are in the coordinates that Nerfstudio turned and scaled a model to.
+TEST_F(TransformsTest, LeavesAppliedTransformsAlone) {
+  WriteImage(root() / "a.png");
+  const json turn = {{0, 1, 0, 5}, {1, 0, 0, 0}, {0, 0, -1, 0}};
+  WriteText(
+      root() / "transforms.json",
+      json{{"fl_x", 5}, {"applied_transform", turn}, {"applied_scale", 0.25}, {"frames", {Frame("a.png")}}}.dump());
+  const Eigen::Matrix4d flip = Eigen::Vector4d(1, -1, -1, 1).asDiagonal();
+  EXPECT_EQ(Read().views[0].cam_from_world->matrix(), flip);
 }
 
 TEST_F(TransformsTest, SaysThatRotationsAreRounded) {

@@ -1,7 +1,7 @@
 #include "oraclegs/settings/fingerprint.h"
 
+#include "oraclegs/datasets/read_scene.h"
 #include "oraclegs/image/codecs.h"
-#include "oraclegs/scene/read_scene.h"
 #include "run/fixtures.h"
 #include "support/temp_dir.h"
 

@@ -1,10 +1,10 @@
 #include "oraclegs/stages/vggt_registration.h"
 
+#include "oraclegs/datasets/read_scene.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/image/codecs.h"
 #include "oraclegs/run/reconstruct.h"
 #include "oraclegs/scene/frame_comments.h"
-#include "oraclegs/scene/read_scene.h"
 #include "oraclegs/stages/metrics.h"
 #include "run/weights.h"
 #include "support/errors.h"

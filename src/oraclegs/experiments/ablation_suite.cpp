@@ -4,9 +4,9 @@
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/datasets/read_scene.h"
 #include "oraclegs/experiments/ablation_rows.h"
 #include "oraclegs/experiments/series.h"
-#include "oraclegs/scene/read_scene.h"
 #include "oraclegs/scene/split.h"
 #include "oraclegs/workspace/workspace.h"
 

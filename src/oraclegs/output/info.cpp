@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "oraclegs/core/statistics.h"
+#include "oraclegs/datasets/read_scene.h"
 #include "oraclegs/formats/splat_file.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/image/read_image.h"
-#include "oraclegs/scene/read_scene.h"
 #include "oraclegs/scene/scene.h"
 #include "oraclegs/stages/metrics.h"
 #include "oraclegs/train/checkpoint.h"
@@ -23,20 +23,6 @@ namespace oraclegs {
 namespace {
 
 namespace fs = std::filesystem;
-
-const char* FormatName(SceneFormat format) {
-  switch (format) {
-    case SceneFormat::kColmap:
-      return "COLMAP model";
-    case SceneFormat::kTransforms:
-      return "transforms.json";
-    case SceneFormat::kBlender:
-      return "Blender (NeRF synthetic)";
-    case SceneFormat::kPhotos:
-      return "photos without poses";
-  }
-  return "";
-}
 
 /// "4000x3000", read from the file of a photo without a camera; empty when it cannot be read.
 std::string SizeOfPhoto(const fs::path& photo) {
@@ -65,7 +51,7 @@ nlohmann::json DescribeScene(const fs::path& path, const Listener& listener) {
     }
   }
   return {{"kind", "scene"},
-          {"format", FormatName(scene.format)},
+          {"format", SceneFormatName(scene.format)},
           {"views", scene.views.size()},
           {"camera_models", models},
           {"sizes", sizes},

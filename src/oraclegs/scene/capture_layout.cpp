@@ -22,7 +22,9 @@ using Names = std::vector<const char*>;
 constexpr char kNerfstudio[] = "`ns-process-data` of Nerfstudio makes a transforms.json of them";
 
 constexpr char kMetashape[] = "export them there as a COLMAP model (File > Export > Export Cameras)";
-constexpr char kReality[] = "export the registration there as a COLMAP model";
+constexpr char kReality[] = "export `Internal/External camera parameters` there and name that folder alone";
+constexpr char kBundler[] = "name its folder alone, with its list.txt, to use them";
+constexpr char kAlone[] = "name its folder alone to use them";
 
 /// A layout is known by folders or files that are all there.
 struct LayoutRow {
@@ -39,9 +41,9 @@ const std::vector<LayoutRow>& LayoutRows() {
        {"keyframes"},
        {"keyframes/corrected_images", "keyframes/images"},
        {"keyframes/corrected_cameras", "keyframes/cameras"},
-       kNerfstudio},
-      {"Polycam", {"corrected_cameras"}, {"corrected_images"}, {"corrected_cameras"}, kNerfstudio},
-      {"Polycam", {"cameras", "confidence"}, {"images"}, {"cameras"}, kNerfstudio},
+       kAlone},
+      {"Polycam", {"corrected_cameras"}, {"corrected_images"}, {"corrected_cameras"}, kAlone},
+      {"Polycam", {"cameras", "confidence"}, {"images"}, {"cameras"}, kAlone},
       {"Record3D", {"rgbd", "metadata.json"}, {"rgbd"}, {"metadata.json"}, kNerfstudio},
       {"Record3D", {"rgbd", "metadata"}, {"rgbd"}, {"metadata"}, kNerfstudio},
       {"Record3D", {"rgb", "depth", "metadata.json"}, {"rgb"}, {"metadata.json"}, ""},
@@ -68,8 +70,7 @@ struct PoseFileRow {
 
 const std::vector<PoseFileRow>& PoseFileRows() {
   static const std::vector<PoseFileRow> rows = {
-      {"Metashape", "*.xml", "<chunk", kMetashape},
-      {"Metashape", "*.xml", "<cameras", kMetashape},
+      {"Metashape", "*.xml", "<chunk", kAlone},
       {"Metashape", "*.txt", "Omega, Phi, Kappa", kMetashape},
       {"RealityScan", "*.csv", "#name,", kReality},
       {"RealityScan", "*.csv", "#cameras", kReality},
@@ -78,16 +79,16 @@ const std::vector<PoseFileRow>& PoseFileRows() {
       {"Polycam", "*.json", "\"t_00\"", kNerfstudio},
       {"Record3D", "metadata.json", "\"poses\"", kNerfstudio},
       {"Stray Scanner", "odometry.csv", "", ""},
-      {"LLFF", "poses_bounds.npy", "", ""},
+      {"LLFF", "poses_bounds.npy", "", kAlone},
       {"OpenSfM", "reconstruction.json", "\"shots\"", "`opensfm export_colmap` writes a COLMAP model"},
       {"OpenDroneMap", "opensfm/reconstruction.json", "\"shots\"", "`opensfm export_colmap` writes a COLMAP model"},
       {"OpenMVG", "sfm_data.json", "", "`openMVG_main_openMVG2Colmap` writes a COLMAP model"},
       {"Meshroom", "*.sfm", "\"poses\"", ""},
-      {"Bundler", "bundle.out", "", ""},
-      {"Bundler", "*.rd.out", "", ""},
+      {"Bundler", "bundle.out", "", kBundler},
+      {"Bundler", "*.rd.out", "", kBundler},
       {"VisualSFM", "*.nvm", "NVM_V", ""},
-      {"NeuS", "cameras_sphere.npz", "", ""},
-      {"IDR", "cameras.npz", "", ""},
+      {"NeuS", "cameras_sphere.npz", "", kAlone},
+      {"IDR", "cameras.npz", "", kAlone},
       {"3D Gaussian Splatting", "cameras.json", "\"rotation\"", ""},
       {"7-Scenes", "*.pose.txt", "", ""},
       {"", "groundtruth.txt", "", ""},
@@ -181,7 +182,6 @@ std::string DescribeUnreadPoses(const fs::path& dir) {
 }
 
 std::string DescribeScenePoses(const fs::path& dir) {
-  constexpr char kAlone[] = "name its folder alone to use them";
   std::vector<fs::path> folders = EntriesOf(dir);
   folders.insert(folders.begin(), dir);
   for (const fs::path& path : folders) {

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "oraclegs/camera/undistort.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/core/parallel.h"
 #include "oraclegs/scene/colmap_files.h"
 #include "oraclegs/scene/named_files.h"
+#include "oraclegs/scene/point_views.h"
 
 namespace oraclegs {
 namespace {
@@ -92,25 +91,6 @@ struct KeptPoints {
   size_t untracked = 0;  ///< nothing says which photos saw them, so all count into whose image they fall
 };
 
-/// The views into whose image each of these points falls.
-void FindViewsOf(const std::vector<size_t>& untracked, const Scene& scene, std::vector<ScenePoint>* points) {
-  std::vector<Camera> cameras;
-  for (const SceneView& view : scene.views) {
-    cameras.push_back(UndistortedCamera(view.intrinsics));
-    cameras.back().cam_from_world = *view.cam_from_world;
-  }
-  ParallelFor(static_cast<int64_t>(untracked.size()), [&](int64_t i) {
-    ScenePoint& point = (*points)[untracked[static_cast<size_t>(i)]];
-    for (size_t v = 0; v < cameras.size(); ++v) {
-      const Camera& camera = cameras[v];
-      const Eigen::Vector3d p = camera.cam_from_world * point.xyz;
-      const double x = camera.fx * p.x() + camera.cx * p.z(), y = camera.fy * p.y() + camera.cy * p.z();
-      const bool inside = p.z() > 0 && x >= 0 && y >= 0 && x <= camera.width * p.z() && y <= camera.height * p.z();
-      if (inside) point.views.push_back(static_cast<int>(v));
-    }
-  });
-}
-
 KeptPoints MakePoints(const std::vector<ColmapPoint>& points, const std::unordered_map<uint32_t, int>& view_of_image,
                       const Scene& scene) {
   KeptPoints kept;
@@ -134,22 +114,9 @@ KeptPoints MakePoints(const std::vector<ColmapPoint>& points, const std::unorder
     kept.points.push_back(std::move(made));
   }
   kept.untracked = untracked.size();
-  FindViewsOf(untracked, scene, &kept.points);
+  FindViewsOfPoints(untracked, scene, &kept.points);
   kept.unseen = std::erase_if(kept.points, [](const ScenePoint& point) { return point.views.empty(); });
   return kept;
-}
-
-void ReportPoints(const KeptPoints& kept, size_t total, const std::string& source, const Listener& listener) {
-  if (kept.untracked > 0) {
-    listener(Note{fmt::format(
-        "{}: {} of {} points have no track that says which photos saw them; each counts as seen by the photos it falls "
-        "into, and training starts from them where all photos train, or with --set sfm-points=model",
-        source, kept.untracked, total)});
-  }
-  if (kept.not_finite + kept.unseen > 0) {
-    listener(Warning{fmt::format("{}: {} of {} points are left out: not finite, or seen by no photo that is here",
-                                 source, kept.not_finite + kept.unseen, total)});
-  }
 }
 
 }  // namespace
@@ -189,13 +156,16 @@ Scene ReadColmapScene(const fs::path& model_dir, const fs::path& image_dir, cons
   for (const SceneView& view : views) names.push_back(view.name);
   KeepViewsWithImages(std::move(views), source, image_dir.string(), listener, &scene);
   if (FindPart(model_dir, "points3D").empty()) {
-    listener(Warning{fmt::format(
-        "{}: has no points3D file, so its points are not used{}", source,
-        IsFile(model_dir / "points3D.ply") ? "; points3D.ply is not read, write points3D.bin or points3D.txt" : "")});
+    if (IsFile(model_dir / "points3D.ply")) {
+      scene.point_file = model_dir / "points3D.ply";
+    } else {
+      listener(Warning{fmt::format("{}: has no points3D file, so its points are not used", source)});
+    }
   }
   const std::vector<ColmapPoint> points = ReadColmapPoints(model_dir);
   KeptPoints kept = MakePoints(points, ViewOfImage(scene, images, names, source), scene);
-  ReportPoints(kept, points.size(), source, listener);
+  ReportUntracked(source, kept.untracked, points.size(), listener);
+  ReportPointsLeftOut(source, kept.not_finite + kept.unseen, points.size(), listener);
   scene.points = std::move(kept.points);
   return scene;
 }

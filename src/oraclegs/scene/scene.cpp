@@ -63,6 +63,32 @@ std::filesystem::path FindFoldedMask(const MasksByName& masks, std::string name)
 
 }  // namespace
 
+const char* SceneFormatName(SceneFormat format) {
+  switch (format) {
+    case SceneFormat::kColmap:
+      return "COLMAP model";
+    case SceneFormat::kTransforms:
+      return "transforms.json";
+    case SceneFormat::kBlender:
+      return "Blender (NeRF synthetic)";
+    case SceneFormat::kLlff:
+      return "LLFF (poses_bounds.npy)";
+    case SceneFormat::kNeus:
+      return "NeuS (cameras.npz)";
+    case SceneFormat::kBundler:
+      return "Bundler (bundle.out)";
+    case SceneFormat::kMetashape:
+      return "Metashape's cameras (XML)";
+    case SceneFormat::kRealityScan:
+      return "RealityScan's cameras (CSV)";
+    case SceneFormat::kPolycam:
+      return "Polycam's raw export";
+    case SceneFormat::kPhotos:
+      break;
+  }
+  return "photos without poses";
+}
+
 std::vector<int> AllViews(const Scene& scene) {
   std::vector<int> all(scene.views.size());
   std::iota(all.begin(), all.end(), 0);

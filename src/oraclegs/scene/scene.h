@@ -16,7 +16,22 @@
 
 namespace oraclegs {
 
-enum class SceneFormat { kColmap, kTransforms, kBlender, kPhotos };
+/// The format a scene was read from. The values stand in keys of runs.
+enum class SceneFormat {
+  kColmap = 0,
+  kTransforms = 1,
+  kBlender = 2,
+  kPhotos = 3,
+  kLlff = 4,
+  kNeus = 5,
+  kBundler = 6,
+  kMetashape = 7,
+  kRealityScan = 8,
+  kPolycam = 9,
+};
+
+/// Words for people: "COLMAP model", "photos without poses".
+const char* SceneFormatName(SceneFormat format);
 
 /// Which file of a Blender-style scene a view came from, or which list of a transforms.json names it; else kNone.
 enum class DeclaredRole { kNone, kTrain, kVal, kTest };
@@ -48,6 +63,7 @@ struct Scene {
   SceneFormat format = SceneFormat::kPhotos;
   std::vector<SceneView> views;
   std::vector<ScenePoint> points;
+  std::filesystem::path point_file;  ///< a PLY of points without tracks that the scene's files name, not yet read
   std::vector<std::string> missing_images;  ///< posed in the scene's files, but without an image file; left out
 
   bool HasPoses() const { return format != SceneFormat::kPhotos; }

@@ -35,6 +35,7 @@ fs::path FindImage(const fs::path& root, const SceneReadOptions& options, const 
 struct FileViews {
   std::vector<SceneView> views;
   std::vector<std::string> missing_masks;
+  fs::path point_file;
   std::vector<double> roundings;  ///< roundings by ReadTransformsPose, of each view with an image
 };
 
@@ -64,15 +65,23 @@ void AddMasks(const NamedFilesQuery& masks, const std::vector<size_t>& view_of_m
   }
 }
 
-/// Depth maps and points that the file names are not read.
+/// Depth maps that the file names are not read.
 void ReportUnread(const fs::path& path, const json& file, const Listener& listener) {
-  std::vector<std::string> unread;
   const json& first = file["frames"].front();
-  if (first.is_object() && first.contains("depth_file_path")) unread.emplace_back("depth maps (depth_file_path)");
-  if (file.contains("ply_file_path")) unread.emplace_back("points (ply_file_path)");
-  if (unread.empty()) return;
-  listener(Note{fmt::format("{}: names {}, which are not read; stereo makes both anew", path.string(),
-                            fmt::join(unread, " and "))});
+  if (!first.is_object() || !first.contains("depth_file_path")) return;
+  listener(Note{fmt::format("{}: names depth maps (depth_file_path), which are not read; stereo makes them anew",
+                            path.string())});
+}
+
+/// The start cloud that the file names, in the coordinates of its cameras; empty without.
+fs::path PointFileOf(const fs::path& path, const json& file, const Listener& listener) {
+  const auto written = TransformsFrame{file, file, path.string()}.FindText("ply_file_path");
+  if (!written) return {};
+  fs::path points = path.parent_path() / WithSlashes(*written);
+  if (IsFile(points)) return points;
+  listener(Warning{fmt::format("{}: names points ({}) that do not exist; they are triangulated anew", path.string(),
+                               OneLine(*written))});
+  return {};
 }
 
 /// `min_parts`: as of NamedFilesQuery, for the images.
@@ -96,6 +105,7 @@ FileViews ReadFrames(const fs::path& path, size_t min_parts, const SceneReadOpti
   const std::vector<DeclaredRole> roles = RolesInTransforms(file, images.written, path.string(), listener);
   const std::vector<NamedFile> files = FindNamedFiles(images, listener);
   FileViews result;
+  result.point_file = PointFileOf(path, file, listener);
   NamedFilesQuery masks{path.string(), root, {}, 2, options.allow_outside, true};
   std::vector<size_t> view_of_mask;
   for (size_t i = 0; i < frames.size(); ++i) {
@@ -120,15 +130,14 @@ void ReportRounding(const fs::path& path, const std::vector<double>& roundings, 
                             *std::max_element(roundings.begin(), roundings.end()))});
 }
 
-std::vector<SceneView> ReadViews(const fs::path& path, size_t min_parts, const SceneReadOptions& options,
-                                 const Listener& listener) {
+FileViews ReadViews(const fs::path& path, size_t min_parts, const SceneReadOptions& options, const Listener& listener) {
   FileViews read = ReadFrames(path, min_parts, options, listener);
   ReportRounding(path, read.roundings, listener);
   if (!read.missing_masks.empty()) {
     listener(Warning{fmt::format("{}: {} mask files do not exist, those views use all pixels: {}", path.string(),
                                  read.missing_masks.size(), SomeNames(read.missing_masks))});
   }
-  return std::move(read.views);
+  return read;
 }
 
 std::string SearchedFolder(const fs::path& root, const SceneReadOptions& options) {
@@ -142,8 +151,9 @@ Scene ReadTransformsScene(const fs::path& root, const SceneReadOptions& options,
   Scene scene;
   scene.root = root;
   scene.format = SceneFormat::kTransforms;
-  KeepViewsWithImages(ReadViews(path, 1, options, listener), path.string(), SearchedFolder(root, options), listener,
-                      &scene);
+  FileViews read = ReadViews(path, 1, options, listener);
+  KeepViewsWithImages(std::move(read.views), path.string(), SearchedFolder(root, options), listener, &scene);
+  scene.point_file = std::move(read.point_file);
   ReportDeclaredSplit(scene, path.string(), listener);
   return scene;
 }
@@ -166,7 +176,7 @@ Scene ReadBlenderScene(const fs::path& root, const SceneReadOptions& options, co
       }
       continue;
     }
-    for (SceneView& view : ReadViews(path, kBlenderParts, options, listener)) {
+    for (SceneView& view : ReadViews(path, kBlenderParts, options, listener).views) {
       view.role = split.role;
       const bool is_new = names.insert(view.name).second;
       if (is_new || split.role != DeclaredRole::kVal) views.push_back(std::move(view));

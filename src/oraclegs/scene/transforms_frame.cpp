@@ -1,7 +1,5 @@
 #include "oraclegs/scene/transforms_frame.h"
 
-#include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -10,8 +8,11 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/image/read_image.h"
+#include "oraclegs/scene/brown_lens.h"
+#include "oraclegs/scene/rotation.h"
 #include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
@@ -19,7 +20,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kMaxRounding = 1e-2;  // two decimals
 constexpr double kLastRowTolerance = 1e-4;
 
 const json* FindIn(const json& object, const char* key) {
@@ -87,18 +87,10 @@ bool IsFisheye(const TransformsFrame& frame) {
     const json* flag = frame.Find("is_fisheye");  // instant-ngp's way to say it
     return flag && flag->is_boolean() && flag->get<bool>();
   }
-  throw InputError("{}: camera_model '{}' is not supported; undistort the photos to PINHOLE first", frame.place, model);
-}
-
-/// Says by R R' and the determinant what is wrong with a matrix that is not a rotation.
-std::string WhyNoRotation(const Eigen::Matrix3d& r, double deviation) {
-  const double det = r.determinant();
-  const double scale = std::cbrt(std::abs(det));
-  if (scale > 0 && ((r / scale) * (r / scale).transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-3) {
-    if (det < 0) return "is a mirror image of a rotation (determinant < 0); its axes are not those of OpenGL";
-    return fmt::format("is a rotation scaled by {:.6g}; divide its first three columns by that", scale);
-  }
-  return fmt::format("is not a rotation (R R' differs from the identity by {:.3g})", deviation);
+  throw InputError("{}: camera_model '{}' is not supported; {}", frame.place, Printable(model),
+                   model == "EQUIRECTANGULAR" ? "cut the panoramas into flat views first (Nerfstudio: ns-process-data "
+                                                "images --camera-type equirectangular)"
+                                              : "undistort the photos to PINHOLE first");
 }
 
 /// Puts the words NaN, Infinity and -Infinity, which Python writes and JSON does not know, in quotes, so that the error
@@ -181,33 +173,18 @@ std::optional<std::string> TransformsFrame::FindText(const char* key) const {
 }
 
 Intrinsics ReadTransformsIntrinsics(const TransformsFrame& frame, const std::filesystem::path& image_path) {
-  Intrinsics intrinsics;
-  ReadSize(frame, image_path, &intrinsics);
-  const auto [fx, fy] = ReadFocals(frame, intrinsics);
-  const double cx = frame.FindNumber("cx").value_or(intrinsics.width / 2.0);
-  const double cy = frame.FindNumber("cy").value_or(intrinsics.height / 2.0);
-  const auto coefficient = [&](const char* key) { return frame.FindNumber(key).value_or(0); };
-  const double k1 = coefficient("k1"), k2 = coefficient("k2"), k3 = coefficient("k3"), k4 = coefficient("k4");
-  const double p1 = coefficient("p1"), p2 = coefficient("p2");
-
-  if (IsFisheye(frame)) {
-    intrinsics.model = CameraModel::kOpenCvFisheye;
-    intrinsics.params = {fx, fy, cx, cy, k1, k2, k3, k4};
-  } else if (k4 != 0) {
-    throw InputError("{}: \"k4\" of a camera that is not OPENCV_FISHEYE cannot be undistorted; set it to 0",
-                     frame.place);
-  } else if (k3 != 0) {
-    intrinsics.model = CameraModel::kFullOpenCv;
-    intrinsics.params = {fx, fy, cx, cy, k1, k2, p1, p2, k3, 0, 0, 0};
-  } else if (k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0) {
-    intrinsics.model = CameraModel::kOpenCv;
-    intrinsics.params = {fx, fy, cx, cy, k1, k2, p1, p2};
-  } else {
-    intrinsics.model = CameraModel::kPinhole;
-    intrinsics.params = {fx, fy, cx, cy};
+  Intrinsics size;
+  ReadSize(frame, image_path, &size);
+  const auto [fx, fy] = ReadFocals(frame, size);
+  const auto number = [&](const char* key, double missing = 0) { return frame.FindNumber(key).value_or(missing); };
+  BrownLens lens{size.width, size.height, fx, fy, number("cx", size.width / 2.0), number("cy", size.height / 2.0)};
+  lens.k = {number("k1"), number("k2"), number("k3"), number("k4")};
+  lens.fisheye = IsFisheye(frame);
+  if (!lens.fisheye) {  // OpenCV's fisheye model has none
+    lens.p1 = number("p1");
+    lens.p2 = number("p2");
   }
-  intrinsics.Check(frame.place);
-  return intrinsics;
+  return IntrinsicsOf(lens, frame.place);
 }
 
 TransformsPose ReadTransformsPose(const TransformsFrame& frame) {
@@ -228,15 +205,8 @@ TransformsPose ReadTransformsPose(const TransformsFrame& frame) {
   if ((world_from_cam.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > kLastRowTolerance) {
     throw InputError("{}: the last row of \"transform_matrix\" is not 0 0 0 1", frame.place);
   }
-  const Eigen::Matrix3d r = world_from_cam.topLeftCorner<3, 3>();
-  // Decimals in the file leave the matrix slightly off; the nearest rotation makes its transpose the exact inverse.
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(r, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d rotation = svd.matrixU() * svd.matrixV().transpose();
-  const double rounding = (r - rotation).cwiseAbs().maxCoeff();
-  if (!(rounding <= kMaxRounding) || r.determinant() < 0) {
-    const double deviation = (r * r.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-    throw InputError("{}: \"transform_matrix\" {}", frame.place, WhyNoRotation(r, deviation));
-  }
+  auto [rotation, rounding] =
+      NearestRotation(world_from_cam.topLeftCorner<3, 3>(), frame.place + ": \"transform_matrix\"");
   rotation.col(1) *= -1;  // OpenGL's y up and z backward become y down and z forward
   rotation.col(2) *= -1;
   Eigen::Isometry3d cam_from_world = Eigen::Isometry3d::Identity();

@@ -3,33 +3,19 @@
 #include <algorithm>
 
 #include "oraclegs/core/text.h"
+#include "oraclegs/datasets/read_scene.h"
 #include "oraclegs/scene/loaded_view.h"
-#include "oraclegs/scene/read_scene.h"
 #include "oraclegs/scene/split.h"
 #include "oraclegs/settings/weights.h"
 
 namespace oraclegs {
 namespace {
 
-const char* LayoutOf(SceneFormat format) {
-  switch (format) {
-    case SceneFormat::kColmap:
-      return "a COLMAP model (sparse/0 and images/)";
-    case SceneFormat::kTransforms:
-      return "transforms.json";
-    case SceneFormat::kBlender:
-      return "Blender's transforms_train.json and transforms_test.json";
-    case SceneFormat::kPhotos:
-      break;
-  }
-  return "photos without poses";
-}
-
 void RequireLayout(const Suite& suite, const Scene& scene) {
   const auto& formats = suite.formats;
   if (formats.empty() || std::find(formats.begin(), formats.end(), scene.format) != formats.end()) return;
-  throw InputError("{}: holds {}; {} comes as {}", scene.root.string(), LayoutOf(scene.format), suite.label,
-                   LayoutOf(formats.front()));
+  throw InputError("{}: holds {}; {} comes as {}", scene.root.string(), SceneFormatName(scene.format), suite.label,
+                   SceneFormatName(formats.front()));
 }
 
 void RequireAllImages(const Suite& suite, const Scene& scene) {

@@ -1,4 +1,4 @@
-#include "oraclegs/scene/read_scene.h"
+#include "oraclegs/datasets/read_scene.h"
 
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -215,10 +215,10 @@ TEST_F(ReadSceneTest, FindsPhotosHereOrInImages) {
 
 TEST_F(ReadSceneTest, NamesPosesThatItDoesNotRead) {
   WriteImages("images");
-  WriteText(root() / "cameras.xml", "<document><chunk><cameras/></chunk></document>");
+  WriteText(root() / "trajectory.txt", "0 0 0");
   EXPECT_EQ(Read().views.size(), 3u);
   ASSERT_EQ(events_.notes.size(), 1u);
-  EXPECT_THAT(events_.notes[0], HasSubstr("cameras.xml has poses of Metashape, which are not read"));
+  EXPECT_THAT(events_.notes[0], HasSubstr("trajectory.txt has poses, which are not read"));
 }
 
 TEST_F(ReadSceneTest, AttachesMasks) {

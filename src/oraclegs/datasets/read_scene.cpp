@@ -1,9 +1,19 @@
-#include "oraclegs/scene/read_scene.h"
+#include "oraclegs/datasets/read_scene.h"
 
+#include <algorithm>
+#include <iterator>
 #include <system_error>
+#include <vector>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/datasets/bundler.h"
+#include "oraclegs/datasets/llff.h"
+#include "oraclegs/datasets/metashape.h"
+#include "oraclegs/datasets/neus.h"
+#include "oraclegs/datasets/point_file.h"
+#include "oraclegs/datasets/polycam.h"
+#include "oraclegs/datasets/reality_scan.h"
 #include "oraclegs/scene/capture_layout.h"
 #include "oraclegs/scene/find_model.h"
 #include "oraclegs/scene/fit_cameras.h"
@@ -32,16 +42,35 @@ void RequireFolder(const fs::path& path, const char* fix) {
 /// Links are followed wherever they lead: a file's text cannot make one.
 void RequireInside(const Scene& scene, const fs::path& root, const SceneReadOptions& options) {
   if (options.allow_outside) return;
-  for (const SceneView& view : scene.views) {
-    for (const fs::path& path : {view.image_path, view.mask_path}) {
-      if (path.empty() || LiesIn(root, path)) continue;
-      if (!options.images.empty() && LiesIn(root / options.images, path)) continue;
-      throw InputError(
-          "{}: names {}, which lies outside the scene's folder; move it there, or add --allow-outside if you trust the "
-          "scene",
-          root.string(), OneLine(path.string()));
-    }
+  std::vector<fs::path> named{scene.point_file};
+  for (const SceneView& view : scene.views) named.insert(named.end(), {view.image_path, view.mask_path});
+  for (const fs::path& path : named) {
+    if (path.empty() || LiesIn(root, path)) continue;
+    if (!options.images.empty() && LiesIn(root / options.images, path)) continue;
+    throw InputError(
+        "{}: names {}, which lies outside the scene's folder; move it there, or add --allow-outside if you trust the "
+        "scene",
+        root.string(), OneLine(path.string()));
   }
+}
+
+/// A format of other programs, known by what lies in its folder.
+struct DatasetFormat {
+  bool (*is)(const fs::path& root);
+  Scene (*read)(const fs::path& root, const SceneReadOptions& options, const Listener& listener);
+};
+
+/// The format of a folder without a COLMAP model or JSON; null when it is none that is known.
+const DatasetFormat* FindDataset(const fs::path& root) {
+  static constexpr DatasetFormat kFormats[] = {{IsPolycamScene, ReadPolycamScene},
+                                               {IsLlffScene, ReadLlffScene},
+                                               {IsNeusScene, ReadNeusScene},
+                                               {IsMetashapeScene, ReadMetashapeScene},
+                                               {IsRealityScanScene, ReadRealityScanScene},
+                                               {IsBundlerScene, ReadBundlerScene}};
+  const auto* found = std::find_if(std::begin(kFormats), std::end(kFormats),
+                                   [&](const DatasetFormat& format) { return format.is(root); });
+  return found == std::end(kFormats) ? nullptr : found;
 }
 
 Scene ReadPhotoFolder(const fs::path& root, const SceneReadOptions& options, const Listener& listener) {
@@ -82,7 +111,8 @@ Scene ReadScene(const fs::path& folder, const SceneReadOptions& options, const L
         "photos to a folder without the model",
         root.string(), model->model.string(), has_transforms ? "transforms.json" : "transforms_train.json")});
   }
-  if (!model && !has_transforms && !is_blender) model = FindModelBeside(root, options, listener);
+  const auto* dataset = model || has_transforms || is_blender ? nullptr : FindDataset(root);
+  if (!model && !has_transforms && !is_blender && dataset == nullptr) model = FindModelBeside(root, options, listener);
   Scene scene;
   if (model) {
     scene = ReadColmapScene(model->model, model->images, listener, options.allow_outside);
@@ -90,12 +120,15 @@ Scene ReadScene(const fs::path& folder, const SceneReadOptions& options, const L
     scene = ReadTransformsScene(root, options, listener);
   } else if (is_blender) {
     scene = ReadBlenderScene(root, options, listener);
+  } else if (dataset != nullptr) {
+    scene = dataset->read(root, options, listener);
   } else {
     scene = ReadPhotoFolder(root, options, listener);
   }
   if (scene.HasPoses()) RequireInside(scene, root, options);
   scene.root = root;
   if (scene.HasPoses()) FitCamerasToImages(&scene, listener);
+  ReadPointFile(listener, &scene);
   RequireUtf8Names(scene);
   for (const char* folder : {"masks", "mask"}) AttachMasks(root / folder, listener, &scene);
   CheckMasks(&scene, listener);
