@@ -30,7 +30,7 @@ class GeneratorFolderTest : public testing::Test {
   }
 
   TempDir dir;
-  GeneratorPaths paths{dir / "proposals" / "generator"};
+  CommandFolders paths{dir / "proposals" / "generator"};
   TexturedPlane wall;
   std::vector<LoadedView> views;
   std::vector<DepthMap> maps;

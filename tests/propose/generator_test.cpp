@@ -93,10 +93,5 @@ TEST_F(GeneratorTest, RemovesItsFilesAlone) {
   EXPECT_TRUE(fs::exists(dir / "proposals" / "warp"));
 }
 
-TEST(FilledCommand, QuotesTheFoldersForTheShell) {
-  EXPECT_EQ(FilledCommand("a {request} b{answer}{other} {request", {"/it's here"}),
-            "a '/it'\\''s here/request' b'/it'\\''s here/answer'{other} {request");
-}
-
 }  // namespace
 }  // namespace oraclegs

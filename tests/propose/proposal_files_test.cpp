@@ -38,14 +38,6 @@ class ProposalFilesTest : public ::testing::Test {
   TempDir dir_;
 };
 
-TEST(FileNames, AreFlatAndUnique) {
-  EXPECT_EQ(FileName("left/0001.jpg"), "left_0001");
-  EXPECT_EQ(FileName("orbit_0001"), "orbit_0001");
-  EXPECT_EQ(FileName("../a.v2"), "a.v2");
-  EXPECT_EQ(FileName(".."), "view");
-  EXPECT_THAT(FileNames({"a/b.jpg", "a_b.png", "a_b_2", "c", "c"}), ElementsAre("a_b", "a_b_3", "a_b_2", "c", "c_2"));
-}
-
 TEST_F(ProposalFilesTest, WritesReadableTransforms) {
   const std::vector<Proposal> proposals = {Gray("orbit_0000", "warp", 0.2f), Gray("dir/IMG.v2.JPG", "warp", 0.4f)};
   EXPECT_THAT(WriteProposals(dir_.path(), proposals),

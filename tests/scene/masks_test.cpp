@@ -220,5 +220,14 @@ TEST_F(MasksTest, WarnsOfMasksThatMayBeUpsideDown) {
   EXPECT_THAT(events_.warnings, IsEmpty()) << "no reader turns a PNG";
 }
 
+TEST_F(MasksTest, AreDroppedWithANote) {
+  AddMasked("a.png", MaskOf([](int, int) { return 255; }));
+  Add("b.png");
+  DropMasks(&scene_, events_.AsListener());
+  EXPECT_TRUE(scene_.views[0].mask_path.empty());
+  DropMasks(&scene_, events_.AsListener());
+  EXPECT_THAT(events_.notes, ElementsAre(HasSubstr("its masks of a.png are not used: the command of --masks")));
+}
+
 }  // namespace
 }  // namespace oraclegs

@@ -130,5 +130,13 @@ TEST(PointPly, NamesThePlaceThatCannotBeWritten) {
   EXPECT_THROW(WritePointPly(temp / "file" / "points.ply", {}), RunError);
 }
 
+TEST(FileNames, AreFlatAndUnique) {
+  EXPECT_EQ(FileName("left/0001.jpg"), "left_0001");
+  EXPECT_EQ(FileName("orbit_0001"), "orbit_0001");
+  EXPECT_EQ(FileName("../a.v2"), "a.v2");
+  EXPECT_EQ(FileName(".."), "view");
+  EXPECT_THAT(FileNames({"a/b.jpg", "a_b.png", "a_b_2", "c", "c"}), ElementsAre("a_b", "a_b_3", "a_b_2", "c", "c_2"));
+}
+
 }  // namespace
 }  // namespace oraclegs

@@ -89,6 +89,13 @@ TEST(RunOptions, AskForAGeneratorAndItsCommandTogether) {
   EXPECT_THAT(error("command", "\xff"), testing::HasSubstr("--generator is not valid UTF-8"));
 }
 
+TEST(RunOptions, RefuseAMaskCommandThatIsNoText) {
+  RunOptions options;
+  options.masks.masks = "\xff";
+  EXPECT_THAT(MessageOf<UsageError>([&] { CheckRunOptions(options); }),
+              testing::HasSubstr("--masks is not valid UTF-8"));
+}
+
 TEST(RunOptions, MayBeContinuedWithAnotherTimeLimit) {
   RunOptions options;
   const nlohmann::json before = ShapingOptionsToJson(options);

@@ -115,6 +115,9 @@ TEST(WithBackground, IsWhiteBehindWhatStandsBeforeWhite) {
   scene.views[1].mask_path = dir / "mask.png";
   EXPECT_EQ(WithBackground({}, scene).image.background, Background::kBlack);
   scene.views[1].mask_path.clear();
+  RunOptions masked;
+  masked.masks.masks = "true";
+  EXPECT_EQ(WithBackground(masked, scene).image.background, Background::kBlack) << "the masks are still to come";
   std::fill_n(photo.data.begin(), 3 * 64 * 10, uint8_t{40});
   WritePng(dir / "photo.png", photo);
   EXPECT_EQ(WithBackground({}, scene).image.background, Background::kBlack);

@@ -130,8 +130,13 @@ Scene ReadScene(const fs::path& folder, const SceneReadOptions& options, const L
   if (scene.HasPoses()) FitCamerasToImages(&scene, listener);
   ReadPointFile(listener, &scene);
   RequireUtf8Names(scene);
-  for (const char* folder : {"masks", "mask"}) AttachMasks(root / folder, listener, &scene);
-  CheckMasks(&scene, listener);
+  const Listener of_masks = options.other_masks ? Silent() : listener;
+  for (const char* folder : {"masks", "mask"}) AttachMasks(root / folder, of_masks, &scene);
+  if (options.other_masks) {
+    DropMasks(&scene, listener);
+  } else {
+    CheckMasks(&scene, listener);
+  }
   return scene;
 }
 

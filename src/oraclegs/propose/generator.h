@@ -19,13 +19,8 @@ struct GeneratorRun {
   std::filesystem::path proposals;  ///< proposals folder of the workspace
 };
 
-/// The command with {request} and {answer} replaced by the folders, quoted for sh.
-std::string FilledCommand(const std::string& command, const GeneratorPaths& paths);
-
-/// Runs the command on the request in proposals/generator, in this process's working directory and with the folders
-/// also in ORACLEGS_REQUEST and ORACLEGS_ANSWER, and stores its answers as proposals/command/NAME.png. Reports the
-/// number of answers as StepDone{"propose"}, with the last line that the command printed. Throws RunError when the
-/// command fails or takes too long, and as ReadAnswers.
+/// Runs the command (RunUserCommand) on the request in proposals/generator, and stores its answers as
+/// proposals/command/NAME.png. Reports them as StepDone{"propose"}. Throws as RunUserCommand and ReadAnswers.
 void RunGenerator(const GeneratorRun& run, const std::vector<Target>& targets, const Listener& listener);
 
 /// Removes request, answers and stored images.

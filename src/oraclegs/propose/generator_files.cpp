@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <optional>
-#include <system_error>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/text.h"
@@ -64,12 +62,9 @@ std::vector<uint8_t> KnownPixels(const WarpedView& view) {
   return known;
 }
 
-void WriteGeneratorRequest(const GeneratorPaths& paths, const std::vector<Target>& targets,
+void WriteGeneratorRequest(const CommandFolders& paths, const std::vector<Target>& targets,
                            const std::vector<LoadedView>& views, const Warper& warper, const Similarity& placement) {
-  std::error_code error;
-  fs::remove_all(paths.root, error);
-  if (error) throw RunError("{}: cannot be removed: {}", paths.root.string(), SystemReason(error));
-  RequireWritableFolder(paths.answer());
+  EmptyCommandFolders(paths);
   WriteViews(paths.request() / "images", views, placement);
   WriteTargets(paths.request(), targets, placement);
   ParallelFor(static_cast<int64_t>(targets.size()), [&](int64_t task) {
@@ -81,13 +76,13 @@ void WriteGeneratorRequest(const GeneratorPaths& paths, const std::vector<Target
   });
 }
 
-size_t CountAnswers(const GeneratorPaths& paths, const std::vector<Target>& targets) {
+size_t CountAnswers(const CommandFolders& paths, const std::vector<Target>& targets) {
   return static_cast<size_t>(std::count_if(targets.begin(), targets.end(), [&](const Target& target) {
     return !FindFrameImage(paths.answer(), target.name).empty();
   }));
 }
 
-std::vector<Image8> ReadAnswers(const GeneratorPaths& paths, const std::vector<Target>& targets) {
+std::vector<Image8> ReadAnswers(const CommandFolders& paths, const std::vector<Target>& targets) {
   std::vector<fs::path> files;
   std::vector<std::string> missing;
   for (const Target& target : targets) {

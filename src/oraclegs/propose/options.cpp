@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "oraclegs/core/text.h"
+#include "oraclegs/core/user_command.h"
 
 namespace oraclegs {
 namespace {
@@ -76,6 +77,7 @@ void CheckProposers(const ProposeOptions& options) {
   if (none && !options.generator.empty()) {
     throw UsageError("--generator is given, but --proposers none proposes nothing; say --proposers command");
   }
+  RequireUtf8Command("--generator", options.generator);
 }
 
 }  // namespace oraclegs

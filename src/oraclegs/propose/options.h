@@ -88,18 +88,19 @@ struct ProposeOptions {
   bool ByProxiesAlone() const;
 };
 
-/// Throws UsageError for a word of --proposers that nothing has, with the nearest one, and where --proposers and
-/// --generator contradict each other.
+/// Throws UsageError for a word of --proposers that nothing has, with the nearest one, where --proposers and
+/// --generator contradict each other, and for a command that is not UTF-8.
 void CheckProposers(const ProposeOptions& options);
 
-/// Time limit of the command of --generator; may differ when a run is continued.
+/// Time limit of the commands of --generator and --masks; may differ when a run is continued.
 struct GeneratorLimits {
   int generator_timeout = 3600;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("generator-timeout", self.generator_timeout,
-          "Seconds after which the command of --generator is stopped, with an error; 0 = never", Range{0, 1e7});
+          "Seconds after which the command of --generator or --masks is stopped, with an error; 0 = never",
+          Range{0, 1e7});
   }
 };
 

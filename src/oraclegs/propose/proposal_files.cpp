@@ -41,31 +41,6 @@ void WriteFrames(const fs::path& dir, const std::vector<std::string>& names, con
 
 }  // namespace
 
-std::string FileName(const std::string& view) {
-  fs::path name = ViewName(view);
-  if (HasImageExtension(name)) name.replace_extension();
-  std::string flat = name.generic_string();
-  std::replace(flat.begin(), flat.end(), '/', '_');
-  return flat.empty() ? "view" : flat;
-}
-
-std::vector<std::string> FileNames(const std::vector<std::string>& views) {
-  std::set<std::string> wanted, taken;
-  for (const std::string& view : views) wanted.insert(FileName(view));
-  std::vector<std::string> names;
-  for (const std::string& view : views) {
-    const std::string plain = FileName(view);
-    std::string name = plain;
-    // A numbered name must not be the plain name of another view.
-    for (int k = 2; taken.count(name) > 0 || (name != plain && wanted.count(name) > 0); ++k) {
-      name = fmt::format("{}_{}", plain, k);
-    }
-    taken.insert(name);
-    names.push_back(name);
-  }
-  return names;
-}
-
 std::vector<std::string> WriteProposals(const fs::path& dir, const std::vector<Proposal>& proposals,
                                         const Similarity& placement) {
   std::map<std::string, int> candidates;

@@ -12,12 +12,6 @@
 
 namespace oraclegs {
 
-/// File name of a view without folder and extension: "left/0001.jpg" becomes "left_0001".
-std::string FileName(const std::string& view);
-
-/// File names of the views; a repeated name gets a number ("left_0001_2"), so that all differ.
-std::vector<std::string> FileNames(const std::vector<std::string>& views);
-
 /// Writes dir/NAME.png (8 bit RGB) for each proposal, NAME from FileNames (with "_SOURCE" where several proposals have
 /// one name), and dir/transforms.json as instant-ngp, Nerfstudio and ReadTransformsScene read it: for each frame fl_x,
 /// fl_y, cx, cy, w, h, file_path, and transform_matrix from camera to world with OpenGL's axes. Poses are moved by

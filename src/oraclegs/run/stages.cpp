@@ -10,6 +10,7 @@ namespace oraclegs {
 const std::vector<Stage>& Stages() {
   // name, version, needs, work
   static const std::vector<Stage> stages = {
+      {"masks", 1, {}, MasksStage()},        // of photos; other stages read them as files
       {"register", 2, {}, RegisterStage()},  // cameras of photos without poses
       {"sfm", 1, {"register"}, SfmStage()},
       {"poses", 1, {"sfm"}, PosesStage()},

@@ -87,9 +87,7 @@ Scene Read(const fs::path& root, const RunOptions& options, const Listener& list
     throw InputError("{}: the name of the --images folder is not valid UTF-8; rename it",
                      EscapeBytes(options.input.images.string()));
   }
-  SceneReadOptions read;
-  read.images = options.input.images;
-  read.allow_outside = options.input.allow_outside;
+  const SceneReadOptions read{options.input.images, options.input.allow_outside, !options.masks.masks.empty()};
   Scene scene = ReadScene(root, read, listener);
   CheckSmallerCopies(scene, options.image.Settled(), listener);
   ReportSplitLists(scene, options.split, listener);
@@ -217,6 +215,7 @@ void EnterFrame(Run* run, bool opened) {
 
 /// Finds poses where there are none, splits, and settles the frame. `opened`: the run is only inspected.
 void FindPosesAndSplit(Run* run, bool opened) {
+  RunStage(run, "masks");
   if (!run->photos.empty()) RunStage(run, "register");
   run->split = SplitOfRun(*run);
   EnterFrame(run, opened);

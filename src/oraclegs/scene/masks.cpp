@@ -283,6 +283,17 @@ Image8 ReadMask(const SceneView& view, int width, int height, Orientation orient
   return mask;
 }
 
+void DropMasks(Scene* scene, const Listener& listener) {
+  std::vector<std::string> names;
+  for (SceneView& view : scene->views) {
+    if (!view.mask_path.empty()) names.push_back(view.name);
+    view.mask_path.clear();
+  }
+  if (names.empty()) return;
+  listener(Note{fmt::format("{}: its masks of {} are not used: the command of --masks makes others",
+                            scene->root.string(), SomeNames(names))});
+}
+
 void CheckMasks(Scene* scene, const Listener& listener) {
   const FactsOfFiles facts = LookAtAll(*scene);
   if (facts.empty()) return;

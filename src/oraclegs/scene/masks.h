@@ -19,4 +19,7 @@ Image8 ReadMask(const SceneView& view, int width, int height, Orientation orient
 /// of several small values.
 void CheckMasks(Scene* scene, const Listener& listener);
 
+/// Leaves the scene's masks out where others are used, with a note.
+void DropMasks(Scene* scene, const Listener& listener);
+
 }  // namespace oraclegs

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 #include <numeric>
+#include <set>
 #include <string>
 #include <system_error>
 #include <unordered_map>
@@ -114,6 +115,31 @@ std::string ViewName(const std::string& written_path) {
     name += part.string();
   }
   return name;
+}
+
+std::string FileName(const std::string& view) {
+  std::filesystem::path name = ViewName(view);
+  if (HasImageExtension(name)) name.replace_extension();
+  std::string flat = name.generic_string();
+  std::replace(flat.begin(), flat.end(), '/', '_');
+  return flat.empty() ? "view" : flat;
+}
+
+std::vector<std::string> FileNames(const std::vector<std::string>& views) {
+  std::set<std::string> wanted, taken;
+  for (const std::string& view : views) wanted.insert(FileName(view));
+  std::vector<std::string> names;
+  for (const std::string& view : views) {
+    const std::string plain = FileName(view);
+    std::string name = plain;
+    // A numbered name must not be the plain name of another view.
+    for (int k = 2; taken.count(name) > 0 || (name != plain && wanted.count(name) > 0); ++k) {
+      name = fmt::format("{}_{}", plain, k);
+    }
+    taken.insert(name);
+    names.push_back(name);
+  }
+  return names;
 }
 
 void RequireUtf8Names(const Scene& scene) {

@@ -74,6 +74,7 @@ struct SceneReadOptions {
   /// Also read what the scene's files name outside its folder and `images`. A stranger's scene could name any picture
   /// of this machine, which would then be in the result.
   bool allow_outside = false;
+  bool other_masks = false;  ///< the run gets masks from elsewhere: those of the scene are left out, with a note
 };
 
 inline constexpr int kMaxImageSide = 1 << 20;  ///< pixels; more in a scene file is a damaged or mistaken number
@@ -90,6 +91,12 @@ bool IsFile(const std::filesystem::path& path);
 /// An image's path as written in a scene file, as a view's name: "./", "../" and a leading "/" are dropped, so that
 /// a file named after the view stays inside the folder it is written to.
 std::string ViewName(const std::string& written_path);
+
+/// File name of a view without folder and extension: "left/0001.jpg" becomes "left_0001".
+std::string FileName(const std::string& view);
+
+/// File names of the views; a repeated name gets a number ("left_0001_2"), so that all differ.
+std::vector<std::string> FileNames(const std::vector<std::string>& views);
 
 /// Throws InputError naming the first image of the scene, missing ones included, whose name is not UTF-8: split,
 /// scores and settings are JSON, which holds nothing else.

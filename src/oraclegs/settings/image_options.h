@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "oraclegs/core/options.h"
 #include "oraclegs/scene/loaded_view.h"
 
@@ -39,6 +41,20 @@ struct AutoImageOptions {
     visit("background", self.background,
           "Color behind transparent pixels and behind the scene; auto = white where the photos show something before "
           "plain white, else black");
+  }
+};
+
+/// Masks of the photos, where a program makes them.
+struct MaskOptions {
+  std::string masks;
+
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("masks", self.masks,
+          "Shell command of a program that masks the photos: from the folder {request}, with each photo as NAME.png, "
+          "into the folder {answer}, one image of the same name for each, white where the photo is used, black where "
+          "it is ignored, e.g. \"python3 my_masks.py {request} {answer}\". Masks beside the photos are not used then "
+          "(docs/formats.md#masks-by-a-command)");
   }
 };
 

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/baselines/methods.h"
-#include "oraclegs/core/text.h"
+#include "oraclegs/core/user_command.h"
 #include "oraclegs/scene/frame.h"
 #include "oraclegs/validate/vggt_oracle.h"
 
@@ -38,8 +38,7 @@ void CheckRunOptions(const RunOptions& options) {
                      options.method.method);
   }
   CheckProposers(options.propose);
-  const std::string& generator = options.propose.generator;
-  if (!IsUtf8(generator)) throw UsageError("--generator is not valid UTF-8: {}", EscapeBytes(generator));
+  RequireUtf8Command("--masks", options.masks.masks);
 }
 
 }  // namespace oraclegs

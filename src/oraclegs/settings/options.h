@@ -288,6 +288,7 @@ struct WeightOptions {
 
 struct RunOptions {
   InputOptions input;
+  MaskOptions masks;
   FrameOptions frame;
   QualityOptions quality;
   CaptureOptions capture;  ///< for commands that start a run; not in the groups below
@@ -314,6 +315,7 @@ struct RunOptions {
   template <class Self, class F>
   static void ForEachShapingGroup(Self& self, F&& f) {
     f("Scene", self.input);
+    f("Scene", self.masks);
     f("Basic", self.quality);
     f("Split", self.split);
     f("Images", self.image);

@@ -178,7 +178,7 @@ RunOptions WithSavedSize(RunOptions options, const nlohmann::json& size) {
 RunOptions WithBackground(RunOptions options, const Scene& scene) {
   if (!options.image.background.is_auto()) return options;
   std::vector<std::filesystem::path> photos;
-  bool has_masks = false;
+  bool has_masks = !options.masks.masks.empty();
   for (const SceneView& view : scene.views) {
     photos.push_back(view.image_path);
     has_masks |= !view.mask_path.empty();

@@ -22,6 +22,9 @@ namespace {
 
 void AddRegisterKey(Run* run, Fingerprint* key) {
   key->Add(run->photos);
+  if (!run->options.masks.masks.empty()) {
+    for (const SceneView& view : run->scene.views) key->Add(run->files.Of(view.mask_path));
+  }
   if (run->needed) {
     for (const SceneView& view : run->scene.views) key->Add(view.name);
   }

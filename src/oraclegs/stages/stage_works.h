@@ -6,6 +6,10 @@
 
 namespace oraclegs {
 
+/// Stage "masks": has the command of --masks mask the photos, into masks/. The run's scene then has these masks, and no
+/// others.
+StageWork MasksStage();
+
 /// Stage "register": poses for images without any, by colmap or by VGGT (--poses), into sfm/. The run's scene then has
 /// poses, and the views that were registered.
 StageWork RegisterStage();

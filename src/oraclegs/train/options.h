@@ -175,7 +175,7 @@ struct TrainOptions : TrainConstants {
         "Standard deviation of the noise each opacity is multiplied by, 1 + s N(0,1), anew in every iteration; against "
         "Gaussians that look right only together (Chen et al., Quantifying and Alleviating Co-Adaptation in "
         "Sparse-View 3DGS, 2025, uses 0.8); auto = 0.5, 0.3 for an object before a plain background",
-        Range{0, 10});
+        Range{0, 10}, Tier::kSetting);
     visit("prune-floaters", self.prune_floaters,
           "At each relocation also move floaters: Gaussians at least 10 % in front of the depth maps of as many or "
           "more photos than confirm them; needs depth (compare SparseGS, Xiong et al. 2023)");

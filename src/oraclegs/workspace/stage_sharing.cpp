@@ -17,8 +17,8 @@ struct Portion {
   std::vector<const char*> folders, stages;
 };
 
-const Portion kRegistration = {{"sfm"}, {"register"}};
-const Portion kGeometry = {{"sfm", "depth"}, {"depth", "sfm", "register", "poses"}};
+const Portion kRegistration = {{"sfm", "masks"}, {"register", "masks"}};
+const Portion kGeometry = {{"sfm", "depth", "masks"}, {"depth", "sfm", "register", "poses", "masks"}};
 const Portion kProposals = {{"proposals", "confidence"}, {"propose", "validate", "proxies", "proxy "}};
 
 bool HasAny(const fs::path& root, const Portion& portion) {

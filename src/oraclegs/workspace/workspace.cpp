@@ -18,10 +18,9 @@ namespace fs = std::filesystem;
 
 // All names that a run may leave at the top of its folder; --overwrite removes these and nothing else.
 constexpr const char* kOwnNames[] = {
-    "options.json",      "split.json", "stages.json", "metrics.json",   "sfm",         "point_cloud.ply",
-    "checkpoints",       "renders",    "depth",       "exposures.json", "proposals",   "confidence",
-    "oracle.json",       "live",       "train.csv",   "report",         "report.html", "photos",
-    "photo_checks.json", "frame.json"};
+    "options.json", "split.json", "stages.json",    "metrics.json", "sfm",        "point_cloud.ply",   "checkpoints",
+    "renders",      "depth",      "exposures.json", "proposals",    "confidence", "oracle.json",       "live",
+    "train.csv",    "report",     "report.html",    "photos",       "masks",      "photo_checks.json", "frame.json"};
 
 // The programs of a run that was killed end within moments.
 constexpr std::chrono::milliseconds kPatience(2000);

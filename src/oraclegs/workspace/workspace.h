@@ -30,6 +30,7 @@ class WorkspacePaths {
   std::filesystem::path point_cloud() const { return root_ / "point_cloud.ply"; }
   std::filesystem::path exposures() const { return root_ / "exposures.json"; }
   std::filesystem::path frame() const { return root_ / "frame.json"; }  ///< coordinate frame of the run
+  std::filesystem::path masks() const { return root_ / "masks"; }       ///< masks that the command of --masks made
   std::filesystem::path sfm() const { return root_ / "sfm"; }
   std::filesystem::path refined_poses() const { return sfm() / "refined.json"; }  ///< of the training views
   std::filesystem::path dense_ply() const { return sfm() / "dense.ply"; }
