@@ -59,21 +59,44 @@ void AddEmptiness(const Silhouettes& silhouettes, size_t v, TrainView* view) {
   }
 }
 
+/// Shows nothing where the surroundings of an object are masked, so that no Gaussian there is free: what is masked of
+/// any other photo is unknown.
+void ShowNothingBeside(const std::vector<uint8_t>& object, const std::array<float, 3>& background, TrainView* view) {
+  view->image = view->image.Clone();
+  view->alpha = Buffer<float>::Empty({view->camera.height, view->camera.width});
+  for (size_t i = 0; i < object.size(); ++i) {
+    view->alpha.data()[i] = object[i];
+    if (object[i] != 0 || view->pixel_weight.data()[i] > 0) continue;
+    std::copy(background.begin(), background.end(), view->image.data() + 3 * i);
+    view->pixel_weight.data()[i] = 1;
+  }
+}
+
 ExposureMap Diagonal(const Eigen::Vector3f& gain) {
   ExposureMap map = kIdentityExposure;
   map[0] = gain[0], map[5] = gain[1], map[10] = gain[2];
   return map;
 }
 
-/// The view with what is known of its depth; `view` is its image alone.
-TrainView WithDepth(TrainView view, const TrainingViews& training, const Geometry& geometry, DepthLoss depth_loss,
-                    size_t v) {
+struct Known {
+  const TrainingViews& training;
+  const Geometry& geometry;
+  ViewUse use;
+};
+
+/// The view with what is known of its depth and of its surroundings; `view` is its image alone.
+TrainView WithKnown(TrainView view, const Known& known, size_t v) {
+  const auto& [training, geometry, use] = known;
   const Silhouettes& silhouettes = training.silhouettes;
+  const bool knows_emptiness = !silhouettes.empty() && use.depth_loss != DepthLoss::kPaper;
+  if (knows_emptiness && !training.views[v].mask.empty() && !view.alpha.defined()) {
+    ShowNothingBeside(silhouettes.Object(v), BackgroundColor(use.background), &view);
+  }
   if (!geometry.maps.empty() && geometry.maps[v].size() > 0) {
     AddDepth(geometry.maps[v], &view);
-    if (depth_loss == DepthLoss::kPaper) {
+    if (use.depth_loss == DepthLoss::kPaper) {
       TakeWhole(geometry.maps[v], PixelsWithDepth(training.views[v], silhouettes, v), &view);
-    } else if (!silhouettes.empty()) {
+    } else if (knows_emptiness) {
       AddEmptiness(silhouettes, v, &view);
     }
   }
@@ -114,21 +137,23 @@ std::optional<double> MeanSquaredConfidence(const std::vector<TrainView>& propos
   return squares / pixels;
 }
 
-std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geometry& geometry, DepthLoss depth_loss) {
+ViewUse ViewUseOf(const Run& run) { return {run.options.train.depth_loss, run.plan.image.background}; }
+
+std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geometry& geometry, ViewUse use) {
   std::vector<TrainView> views;
   const std::shared_ptr<const void> owner(&training, [](const void*) {});  // the caller keeps it
   for (size_t v = 0; v < training.views.size(); ++v) {
-    views.push_back(WithDepth(ToTrainView(training.views[v], owner), training, geometry, depth_loss, v));
+    views.push_back(WithKnown(ToTrainView(training.views[v], owner), {training, geometry, use}, v));
   }
   return views;
 }
 
-std::vector<TrainView> TakeTrainViews(TrainingViews* training, Geometry* geometry, DepthLoss depth_loss) {
+std::vector<TrainView> TakeTrainViews(TrainingViews* training, Geometry* geometry, ViewUse use) {
   std::vector<TrainView> views;
   for (size_t v = 0; v < training->views.size(); ++v) {
     const auto own = std::make_shared<LoadedView>(std::exchange(training->views[v], {}));
-    training->views[v].mask = own->mask;  // with the silhouettes all that WithDepth asks for
-    views.push_back(WithDepth(ToTrainView(*own, own), *training, *geometry, depth_loss, v));
+    training->views[v].mask = own->mask;  // with the silhouettes all that WithKnown asks for
+    views.push_back(WithKnown(ToTrainView(*own, own), {*training, *geometry, use}, v));
     if (!geometry->maps.empty()) geometry->maps[v] = {};
   }
   return views;
