@@ -78,6 +78,9 @@ TEST(TrainInputs, ShowNothingBesideAMaskedObject) {
   EXPECT_EQ(view.depth_mask[2 * kSide + 2], 1) << "empty for certain";
   EXPECT_EQ(object.photos[0].rgb.data[0], 1) << "the photo itself stays";
   EXPECT_FALSE(MakeTrainViews(object.training(), object.geometry, {DepthLoss::kPaper}).front().alpha.defined());
+  object.photos[0].mask.assign(kSide * kSide, 1);
+  object.photos[0].mask[0] = 0;
+  EXPECT_FALSE(MakeTrainViews(object.training(), object.geometry, use).front().alpha.defined()) << "a corner";
   object.photos[0].mask.clear();
   EXPECT_FALSE(MakeTrainViews(object.training(), object.geometry, use).front().alpha.defined());
 }

@@ -20,6 +20,7 @@ namespace oraclegs {
 namespace {
 
 constexpr double kLargestExposure = 1e6;  // of a number in a color map
+constexpr double kMaskedShare = 0.9;      // of an object's surroundings
 
 Buffer<float> ToMap(const std::vector<float>& values, const Camera& camera) {
   return Buffer<float>::From({camera.height, camera.width}, std::span<const float>(values));
@@ -59,6 +60,16 @@ void AddEmptiness(const Silhouettes& silhouettes, size_t v, TrainView* view) {
   }
 }
 
+/// True where masks show the silhouette, and not a plain color whose photos are masked where the lens saw nothing.
+bool AreSurroundingsMasked(const std::vector<uint8_t>& object, const std::vector<uint8_t>& mask) {
+  size_t masked = 0, all = 0;
+  for (size_t i = 0; i < mask.size(); ++i) {
+    all += object[i] == 0;
+    masked += object[i] == 0 && mask[i] == 0;
+  }
+  return masked > 0 && static_cast<double>(masked) >= kMaskedShare * static_cast<double>(all);
+}
+
 /// Shows nothing where the surroundings of an object are masked, so that no Gaussian there is free: what is masked of
 /// any other photo is unknown.
 void ShowNothingBeside(const std::vector<uint8_t>& object, const std::array<float, 3>& background, TrainView* view) {
@@ -89,7 +100,8 @@ TrainView WithKnown(TrainView view, const Known& known, size_t v) {
   const auto& [training, geometry, use] = known;
   const Silhouettes& silhouettes = training.silhouettes;
   const bool knows_emptiness = !silhouettes.empty() && use.depth_loss != DepthLoss::kPaper;
-  if (knows_emptiness && !training.views[v].mask.empty() && !view.alpha.defined()) {
+  if (knows_emptiness && !view.alpha.defined() &&
+      AreSurroundingsMasked(silhouettes.Object(v), training.views[v].mask)) {
     ShowNothingBeside(silhouettes.Object(v), BackgroundColor(use.background), &view);
   }
   if (!geometry.maps.empty() && geometry.maps[v].size() > 0) {
