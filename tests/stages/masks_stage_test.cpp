@@ -25,10 +25,12 @@ class MasksStageTest : public testing::Test {
 };
 
 TEST_F(MasksStageTest, RunsTheCommandOnceAndMasksAllViews) {
-  const auto run = StartRun(request, events.AsListener());
-  for (const SceneView& view : run.scene.views) EXPECT_EQ(view.mask_path.parent_path(), run.workspace.masks());
-  EXPECT_EQ(LoadViews(run.scene, {0}, run.plan.image, Silent()).front().mask[0], 0);
-  EXPECT_EQ(run.workspace.Record("masks").at("photos"), 6);
+  {
+    const auto run = StartRun(request, Silent());
+    for (const SceneView& view : run.scene.views) EXPECT_EQ(view.mask_path.parent_path(), run.workspace.masks());
+    EXPECT_EQ(LoadViews(run.scene, {0}, run.plan.image, Silent()).front().mask[0], 0);
+    EXPECT_EQ(run.workspace.Record("masks").at("photos"), 6);
+  }
   StartRun(request, Silent());
   OpenRun(request, Silent());
   EXPECT_EQ(Calls(), "x\n");

@@ -46,7 +46,7 @@ struct Object {
 
 TEST(TrainInputs, MaskDepthByConfidenceAndSilhouette) {
   const Object object;
-  const TrainView view = MakeTrainViews(object.training(), object.geometry, DepthLoss::kRelative).front();
+  const TrainView view = MakeTrainViews(object.training(), object.geometry, {}).front();
   const auto depth = [&](int y, int x) { return view.inv_depth[y * kSide + x]; };
   const auto mask = [&](int y, int x) { return view.depth_mask[y * kSide + x]; };
   EXPECT_EQ(depth(10, 9), 0.5f);
@@ -57,13 +57,38 @@ TEST(TrainInputs, MaskDepthByConfidenceAndSilhouette) {
   EXPECT_EQ(mask(10, 7), 0) << "too near the silhouette to be certain";
   EXPECT_FLOAT_EQ(view.exposure[0], 1.2f);
   EXPECT_FLOAT_EQ(view.exposure[10], 0.8f);
-  EXPECT_FALSE(MakeTrainViews(object.training(), {}, DepthLoss::kRelative).front().inv_depth.defined());
+  EXPECT_FALSE(MakeTrainViews(object.training(), {}, {}).front().inv_depth.defined());
+}
+
+TEST(TrainInputs, ShowNothingBesideAMaskedObject) {
+  Object object;
+  object.photos[0].mask.assign(kSide * kSide, 0);
+  for (int y = 7; y < 17; ++y) std::fill_n(object.photos[0].mask.begin() + y * kSide + 7, 10, 1);
+  object.photos[0].mask[10 * kSide + 10] = 0;
+  const ViewUse use{DepthLoss::kRelative, Background::kGray};
+  const TrainView view = MakeTrainViews(object.training(), object.geometry, use).front();
+  const auto pixel = [&](int y, int x) {
+    const int64_t i = y * kSide + x;
+    return std::array<float, 3>{view.image[3 * i], view.pixel_weight[i], view.alpha[i]};
+  };
+  EXPECT_THAT(pixel(2, 2), testing::ElementsAre(0.5f, 1, 0)) << "masked";
+  EXPECT_THAT(pixel(7, 7), testing::ElementsAre(1.f, 1, 0)) << "used, though it is plain background";
+  EXPECT_THAT(pixel(9, 9), testing::ElementsAre(0.4f, 1, 1));
+  EXPECT_EQ(pixel(10, 10)[1], 0) << "masked within the object: unknown";
+  EXPECT_EQ(view.depth_mask[2 * kSide + 2], 1) << "empty for certain";
+  EXPECT_EQ(object.photos[0].rgb.data[0], 1) << "the photo itself stays";
+  EXPECT_FALSE(MakeTrainViews(object.training(), object.geometry, {DepthLoss::kPaper}).front().alpha.defined());
+  object.photos[0].mask.assign(kSide * kSide, 1);
+  object.photos[0].mask[0] = 0;
+  EXPECT_FALSE(MakeTrainViews(object.training(), object.geometry, use).front().alpha.defined()) << "a corner";
+  object.photos[0].mask.clear();
+  EXPECT_FALSE(MakeTrainViews(object.training(), object.geometry, use).front().alpha.defined());
 }
 
 TEST(TrainInputs, WeightANetworksDepthByItsConfidence) {
   Object object;
   object.geometry.maps[0].monocular = true;
-  const TrainView view = MakeTrainViews(object.training(), object.geometry, DepthLoss::kRelative).front();
+  const TrainView view = MakeTrainViews(object.training(), object.geometry, {}).front();
   const auto mask = [&](int y, int x) { return view.depth_mask[y * kSide + x]; };
   EXPECT_NEAR(mask(10, 9), 0.9, 1e-6);
   EXPECT_NEAR(mask(10, 14), 0.3, 1e-6);
@@ -72,7 +97,7 @@ TEST(TrainInputs, WeightANetworksDepthByItsConfidence) {
 TEST(TrainInputs, MaskDepthByZeroAndOneForThePaper) {
   Object object;
   const auto masks = [&] {
-    const TrainView view = MakeTrainViews(object.training(), object.geometry, DepthLoss::kPaper).front();
+    const TrainView view = MakeTrainViews(object.training(), object.geometry, {DepthLoss::kPaper}).front();
     return std::vector<float>{view.depth_mask[10 * kSide + 9], view.depth_mask[10 * kSide + 14],
                               view.depth_mask[2 * kSide + 2]};
   };

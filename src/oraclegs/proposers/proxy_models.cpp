@@ -84,7 +84,7 @@ class ProxyTrainer {
       : run_(*run),
         training_(ViewsOf(run)),
         geometry_(run->results->geometry),
-        views_(MakeTrainViews(training_, geometry_, run->options.train.depth_loss)) {
+        views_(MakeTrainViews(training_, geometry_, ViewUseOf(*run))) {
     const RunOptions asked = OptionsOfProxies(*run);
     const TrainEvidence found = EvidenceOf(training_, geometry_);
     options_ = ProxyOptions(asked.propose.proxy_share, SettleTraining(asked.train, found, Silent()));
@@ -97,8 +97,7 @@ class ProxyTrainer {
   bool Train(int number, const std::vector<int>& held_out, const std::vector<fs::path>& files,
              const Listener& listener) const {
     Geometry unseen = Unseen(geometry_, held_out);
-    const std::vector<TrainView> kept =
-        Without(MakeTrainViews(training_, unseen, run_.options.train.depth_loss), held_out);
+    const std::vector<TrainView> kept = Without(MakeTrainViews(training_, unseen, ViewUseOf(run_)), held_out);
     const std::vector<LoadedView> shown = Without(training_.views, held_out);
     const Geometry rest = GeometryWithout(std::move(unseen), shown, held_out);
     if (kept.size() < kMinViewsOfProxy || rest.points.size() < kMinPointsForStart) {

@@ -15,7 +15,7 @@ const std::vector<Stage>& Stages() {
       {"sfm", 1, {"register"}, SfmStage()},
       {"poses", 1, {"sfm"}, PosesStage()},
       {"depth", 7, {"sfm", "poses"}, DepthStage()},
-      {"proxies", 4, {"depth"}, ProxyStage()},
+      {"proxies", 5, {"depth"}, ProxyStage()},
       {"propose", 3, {"depth", "proxies"}, ProposeStage()},
       {"validate", 5, {"propose"}, ValidateStage()},
       {"train", 4, {"sfm", "depth", "validate"}, TrainStage()},

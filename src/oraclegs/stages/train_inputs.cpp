@@ -22,6 +22,7 @@ namespace {
 
 constexpr double kLargestExposure = 1e6;  // of a number in a color map
 constexpr float kBackdropNoise = 0.006f;  // ColorError of plain background: a proposal is rounded to bytes
+constexpr double kMaskedShare = 0.9;      // of an object's surroundings
 
 Buffer<float> ToMap(const std::vector<float>& values, const Camera& camera) {
   return Buffer<float>::From({camera.height, camera.width}, std::span<const float>(values));
@@ -61,21 +62,55 @@ void AddEmptiness(const Silhouettes& silhouettes, size_t v, TrainView* view) {
   }
 }
 
+/// True where masks show the silhouette, and not a plain color whose photos are masked where the lens saw nothing.
+bool AreSurroundingsMasked(const std::vector<uint8_t>& object, const std::vector<uint8_t>& mask) {
+  size_t masked = 0, all = 0;
+  for (size_t i = 0; i < mask.size(); ++i) {
+    all += object[i] == 0;
+    masked += object[i] == 0 && mask[i] == 0;
+  }
+  return masked > 0 && static_cast<double>(masked) >= kMaskedShare * static_cast<double>(all);
+}
+
+/// Shows nothing where the surroundings of an object are masked, so that no Gaussian there is free: what is masked of
+/// any other photo is unknown.
+void ShowNothingBeside(const std::vector<uint8_t>& object, const std::array<float, 3>& background, TrainView* view) {
+  view->image = view->image.Clone();
+  view->alpha = Buffer<float>::Empty({view->camera.height, view->camera.width});
+  for (size_t i = 0; i < object.size(); ++i) {
+    view->alpha.data()[i] = object[i];
+    if (object[i] != 0 || view->pixel_weight.data()[i] > 0) continue;
+    std::copy(background.begin(), background.end(), view->image.data() + 3 * i);
+    view->pixel_weight.data()[i] = 1;
+  }
+}
+
 ExposureMap Diagonal(const Eigen::Vector3f& gain) {
   ExposureMap map = kIdentityExposure;
   map[0] = gain[0], map[5] = gain[1], map[10] = gain[2];
   return map;
 }
 
-/// The view with what is known of its depth; `view` is its image alone.
-TrainView WithDepth(TrainView view, const TrainingViews& training, const Geometry& geometry, DepthLoss depth_loss,
-                    size_t v) {
+struct Known {
+  const TrainingViews& training;
+  const Geometry& geometry;
+  ViewUse use;
+};
+
+/// The view with what is known of its depth and of its surroundings; `view` is its image alone.
+TrainView WithKnown(TrainView view, const Known& known, size_t v) {
+  const auto& [training, geometry, use] = known;
   const Silhouettes& silhouettes = training.silhouettes;
+  const bool knows_emptiness = !silhouettes.empty() && use.depth_loss != DepthLoss::kPaper;
+  if (knows_emptiness && !view.alpha.defined() &&
+      AreSurroundingsMasked(silhouettes.Object(v), training.views[v].mask)) {
+    ShowNothingBeside(silhouettes.Object(v), BackgroundColor(use.background), &view);
+  }
   if (!geometry.maps.empty() && geometry.maps[v].size() > 0) {
     AddDepth(geometry.maps[v], &view);
-    if (depth_loss == DepthLoss::kPaper) {
+    if (use.depth_loss == DepthLoss::kPaper) {
       TakeWhole(geometry.maps[v], PixelsWithDepth(training.views[v], silhouettes, v), &view);
-    } else if (!silhouettes.empty()) {
+    } else if (knows_emptiness) {
       AddEmptiness(silhouettes, v, &view);
     }
   }
@@ -119,21 +154,23 @@ std::optional<double> MeanSquaredConfidence(const std::vector<TrainView>& propos
   return pixels > 0 ? std::optional(squares / pixels) : std::nullopt;
 }
 
-std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geometry& geometry, DepthLoss depth_loss) {
+ViewUse ViewUseOf(const Run& run) { return {run.options.train.depth_loss, run.plan.image.background}; }
+
+std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geometry& geometry, ViewUse use) {
   std::vector<TrainView> views;
   const std::shared_ptr<const void> owner(&training, [](const void*) {});  // the caller keeps it
   for (size_t v = 0; v < training.views.size(); ++v) {
-    views.push_back(WithDepth(ToTrainView(training.views[v], owner), training, geometry, depth_loss, v));
+    views.push_back(WithKnown(ToTrainView(training.views[v], owner), {training, geometry, use}, v));
   }
   return views;
 }
 
-std::vector<TrainView> TakeTrainViews(TrainingViews* training, Geometry* geometry, DepthLoss depth_loss) {
+std::vector<TrainView> TakeTrainViews(TrainingViews* training, Geometry* geometry, ViewUse use) {
   std::vector<TrainView> views;
   for (size_t v = 0; v < training->views.size(); ++v) {
     const auto own = std::make_shared<LoadedView>(std::exchange(training->views[v], {}));
-    training->views[v].mask = own->mask;  // with the silhouettes all that WithDepth asks for
-    views.push_back(WithDepth(ToTrainView(*own, own), *training, *geometry, depth_loss, v));
+    training->views[v].mask = own->mask;  // with the silhouettes all that WithKnown asks for
+    views.push_back(WithKnown(ToTrainView(*own, own), {*training, *geometry, use}, v));
     if (!geometry->maps.empty()) geometry->maps[v] = {};
   }
   return views;

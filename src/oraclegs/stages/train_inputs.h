@@ -27,13 +27,23 @@ TrainEvidence EvidenceOf(const TrainingViews& training, const Geometry& geometry
 std::optional<double> MeanSquaredConfidence(const std::vector<TrainView>& proposals,
                                             const std::optional<std::array<float, 3>>& backdrop);
 
-/// The views as the trainer takes them: with depth where it is confident or a network's, with emptiness (inverse depth
-/// 0) beside an object's silhouette unless `depth_loss` is the paper's, and starting from the exposures stereo found.
-/// Their images are those of `training`, which must outlive them.
-std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geometry& geometry, DepthLoss depth_loss);
+/// Choices of the run in how training uses its views.
+struct ViewUse {
+  DepthLoss depth_loss = DepthLoss::kRelative;
+  Background background = Background::kBlack;
+};
+
+/// The use that the run's options and plan ask for.
+ViewUse ViewUseOf(const Run& run);
+
+/// The views as the trainer takes them: with depth where it is confident or a network's, and starting from the
+/// exposures stereo found. Unless the depth loss is the paper's there is emptiness beside an object's silhouette:
+/// inverse depth 0, and, where a mask shows the silhouette, the background's color and alpha 0. Their images are
+/// otherwise those of `training`, which must outlive them.
+std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geometry& geometry, ViewUse use);
 
 /// Does the same, but takes the images and frees the depth, so that neither lies in memory twice.
-std::vector<TrainView> TakeTrainViews(TrainingViews* training, Geometry* geometry, DepthLoss depth_loss);
+std::vector<TrainView> TakeTrainViews(TrainingViews* training, Geometry* geometry, ViewUse use);
 
 /// {"NAME": [12 numbers, the 3x4 color map row by row]} of trained exposures.
 nlohmann::json ExposuresToJson(const std::vector<std::string>& names, const std::vector<ExposureMap>& exposures);

@@ -214,7 +214,7 @@ ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) 
   TrainingLpips network = LpipsOfProposals(settled, run->plan, known.proposals, run->listener);
   ready.lpips = network.convention;
   PseudoDepth pseudo_depth = PseudoDepthOf(*run, training);
-  std::vector<TrainView> images = TakeTrainViews(known.views.get(), &known.geometry, run->options.train.depth_loss);
+  std::vector<TrainView> images = TakeTrainViews(known.views.get(), &known.geometry, ViewUseOf(*run));
   ready.views = SupportViewsOf(images, known.proposals);
   ready.chosen = ChosenOptions(run->options.train, settled);
   BaselineSetup setup{{settled,
