@@ -2,6 +2,7 @@
 
 #include "oraclegs/capture/mask_command.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/stages/stage_seconds.h"
 #include "oraclegs/stages/stage_works.h"
 
 namespace oraclegs {
@@ -43,6 +44,11 @@ StageWork MasksStage() {
           .make = MakeAndTakeMasks,
           .load = LoadMasks,
           .summary = [](const nlohmann::json& r) { return Counted(CountIn(r, "photos"), "mask"); },
+          .seconds =
+              [](const EstimateInput& input) {
+                constexpr double kWriteOfPixel = 0.1e-6;  // of the request; nobody knows how long the command takes
+                return kWriteOfPixel * FullPixels(input) * input.scene.views;
+              },
           .uses_network = [](const Run&) { return true; }};
 }
 
