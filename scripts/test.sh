@@ -101,7 +101,7 @@ stage_release() {
 }
 
 # The floors below settings, where the parsers and the kernels are.
-floors=(core image camera scene sfm demo depth gaussians formats render loss train propose weights web mesh)
+floors=(core image camera scene sfm demo depth gaussians formats datasets render loss train propose weights web mesh)
 stage_asan() {
   check asan "${floors[@]}" cuda
   step "fuzzers"
