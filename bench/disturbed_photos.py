@@ -53,11 +53,11 @@ def expose(path, factors, vignette):
 
 
 def disturb(scene, names, seed, vignette):
-    """Exposes the photos of these names anew, in all sizes that the scene has of them."""
+    """Exposes the photos of these names anew."""
     draw = random.Random(seed)
     for name in sorted(names):
         ev, tint = draw.uniform(-EV, EV), draw.uniform(-TINT, TINT)
-        photos = [p for p in scene.rglob("*") if p.suffix and str(p.with_suffix("")).endswith(str(Path(name).with_suffix("")))]
+        photos = [p for p in scene.rglob("*") if p.suffix and str(p.with_suffix("")).endswith(f"/{Path(name).with_suffix('')}")]
         if not photos:
             sys.exit(f"{scene}: has no photo {name}")
         for photo in photos:

@@ -20,7 +20,7 @@ const IMPORTS = {
 const PAGE = `<!doctype html><link rel="icon" href="data:,"><script type="importmap">${JSON.stringify({imports: IMPORTS})}</script><script type="module" src="/viewers_page.js"></script>`;
 
 const {width, height, fov, files, not_read: notRead, poses} = JSON.parse(readFileSync(process.argv[2]));
-const endingOf = (file) => ['.compressed.ply'].find((ending) => file.endsWith(ending)) ?? file.slice(file.lastIndexOf('.'));
+const endingOf = (file) => (file.endsWith('.compressed.ply') ? '.compressed.ply' : file.slice(file.lastIndexOf('.')));
 
 const served = new Map(files.map((file) => [`/files/${basename(file)}`, file]));
 const server = createServer(async (request, response) => {

@@ -11,7 +11,7 @@ namespace oraclegs {
 namespace {
 
 constexpr int64_t kColorGrain = 4096;  // Gaussians a task
-constexpr float kLeastSpread = 1e-3f;  // of a color over the directions; for a smaller one the slope would be noise
+constexpr float kMinSpread = 1e-3f;    // of a color over the directions; for a smaller one the slope would be noise
 
 }  // namespace
 
@@ -30,9 +30,9 @@ void ColorsFromLinear(int sh_degree, Gaussians* gaussians) {
         float squares = 0;
         for (int k = 1; k < coefficients; ++k) squares += sh[3 * k] * sh[3 * k];
         const float spread = std::sqrt(squares / (4 * std::numbers::pi_v<float>)), mean = 0.5f + kConstant * sh[0];
-        const float step = std::max(spread, kLeastSpread);
+        const float step = std::max(spread, kMinSpread);
         const float low = SrgbOfLinear(mean - step), high = SrgbOfLinear(mean + step);
-        sh[0] = ((spread > kLeastSpread ? (low + high) / 2 : SrgbOfLinear(mean)) - 0.5f) / kConstant;
+        sh[0] = ((spread > kMinSpread ? (low + high) / 2 : SrgbOfLinear(mean)) - 0.5f) / kConstant;
         for (int k = 1; k < coefficients; ++k) sh[3 * k] *= (high - low) / (2 * step);
       }
     }

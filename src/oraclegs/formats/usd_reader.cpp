@@ -18,8 +18,8 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kMostPrims = 100000;  // each takes many times the bytes of its text
-constexpr int64_t kMostUsdzFiles = 256;
+constexpr size_t kMaxPrims = 100000;  // each takes many times the bytes of its text
+constexpr int64_t kMaxUsdzFiles = 256;
 constexpr int kHighestUsdDegree = 10;
 /// Metadata that brings in other prims, most often of other files.
 constexpr std::string_view kArcs[] = {"references",  "payload",  "subLayers",   "inherits",
@@ -169,7 +169,7 @@ class UsdReader {
       return;
     }
     if (!text_.Take('{')) text_.Fail(fmt::format("prim {} has no body", Shown(prim.name)));
-    if (prims_.size() == kMostPrims) text_.Fail(fmt::format("has more than {} prims: is it a splat?", kMostPrims));
+    if (prims_.size() == kMaxPrims) text_.Fail(fmt::format("has more than {} prims: is it a splat?", kMaxPrims));
     if (!open_.empty()) prim.parent = open_.back();
     open_.push_back(static_cast<int>(prims_.size()));
     prims_.push_back(std::move(prim));
@@ -311,7 +311,7 @@ GaussianPly DecodeUsda(std::string_view bytes, const std::string& file) {
 
 GaussianPly DecodeUsdz(std::string_view bytes, const std::string& file) {
   const std::string* layer = nullptr;
-  const std::map<std::string, std::string> files = ReadZip(bytes, kMostUsdzFiles, file);
+  const std::map<std::string, std::string> files = ReadZip(bytes, kMaxUsdzFiles, file);
   for (const auto& [name, content] : files) {
     if (!name.ends_with(".usda") && !name.ends_with(".usdc") && !name.ends_with(".usd")) continue;
     if (layer != nullptr) RefuseUsdArc(file, "several layers");

@@ -13,8 +13,8 @@
 namespace oraclegs {
 namespace {
 
-constexpr int64_t kBlocksAtOnce = 64;    // of kSplatGrain Gaussians: their text stands in memory twice
-constexpr size_t kMostFloatDigits = 16;  // "-1.17549435e-38" has 15
+constexpr int64_t kBlocksAtOnce = 64;   // of kSplatGrain Gaussians: their text stands in memory twice
+constexpr size_t kMaxFloatDigits = 16;  // "-1.17549435e-38" has 15
 constexpr size_t kUsualNumberBytes =
     14;                                // of a number of trained Gaussians and what separates it from the next, or less
 constexpr size_t kUsdzAlignment = 64;  // of a file's bytes in a .usdz
@@ -22,7 +22,7 @@ constexpr float kDrawnDeviations = 3;
 
 /// The shortest text that is read as the same float, which is what makes the file exact.
 void AppendFloat(float value, std::string* to) {
-  char digits[kMostFloatDigits];
+  char digits[kMaxFloatDigits];
   to->append(digits, std::to_chars(digits, digits + sizeof(digits), value + 0.f).ptr);  // 0 for -0
 }
 
@@ -95,16 +95,16 @@ class UsdaWriter {
 
   /// The box of what is seen, from which viewers choose their first view.
   void AddExtent() {
-    constexpr float kMost = std::numeric_limits<float>::max();
+    constexpr float kMax = std::numeric_limits<float>::max();
     std::array<float, 3> low, high;
-    low.fill(kMost);
-    high.fill(-kMost);
+    low.fill(kMax);
+    high.fill(-kMax);
     for (int64_t i = 0; i < g_.size(); ++i) {
       const GaussianRows g = rows_.From(i);
       const float reach = kDrawnDeviations * DeviationOf(std::max({g.log_scales[0], g.log_scales[1], g.log_scales[2]}));
       for (int c = 0; c < 3; ++c) {
-        low[c] = std::clamp(g.means[c] - reach, -kMost, low[c]);
-        high[c] = std::clamp(g.means[c] + reach, high[c], kMost);
+        low[c] = std::clamp(g.means[c] - reach, -kMax, low[c]);
+        high[c] = std::clamp(g.means[c] + reach, high[c], kMax);
       }
     }
     text_ += "    float3[] extent = [";

@@ -144,7 +144,7 @@ std::optional<double> MeanSquaredConfidence(const std::vector<TrainView>& propos
                                             const std::optional<std::array<float, 3>>& backdrop) {
   double squares = 0, pixels = 0;
   for (const TrainView& view : proposals) {
-    const Buffer<float> confidence = view.Weights(), image = view.Image();
+    const Buffer<float> confidence = view.Weights(), image = backdrop ? view.Image() : Buffer<float>();
     for (int64_t p = 0; p < confidence.count(); ++p) {
       if (backdrop && ColorError(image.data() + 3 * p, backdrop->data()) < kBackdropNoise) continue;
       squares += static_cast<double>(confidence[p]) * static_cast<double>(confidence[p]);
