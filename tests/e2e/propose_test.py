@@ -42,16 +42,29 @@ class Propose(ManyViews):
 
         table = self.run_program("evaluate", out, out, "--check-oracle").stdout.splitlines()
         self.assertIn("block Spearman", table[0])
-        figures = [line.split()[-7:] for line in table[1:]]
+        figures = [line.split()[-10:] for line in table[1:]]
         self.assertEqual(figures, 3 * [self.figures(report["oracle"])], "two runs and their mean")
         self.error_of("evaluate", out, out, code=2, names=["--check-oracle"])
         self.error_of("evaluate", out, self.scene, "--check-oracle", code=3, names=[self.scene])
+
+        head, line = self.run_program("evaluate", out, "--check-uncertainty").stdout.splitlines()
+        uncertainty = json.loads((out / "metrics.json").read_text())["uncertainty"]
+        self.assertIn("AUSE MAE", head)
+        self.assertEqual(line.split()[-1], f"{uncertainty['models']['published_ause']['images']['dssim']:.3f}")
+        self.assertEqual(len(self.run_program("evaluate", out, out, "--check-uncertainty").stdout.splitlines()), 4)
+        bound = uncertainty["bound"]
+        self.assertEqual(bound["photos"], len(json.loads((out / "split.json").read_text())["train"]))
+        for known in (row for row in bound["classes"] if row["below"] is not None and row["pixels"] > 0):
+            self.assertGreater(known["covered"], 0.6)  # of photos like those that it is from
+        self.error_of("evaluate", out, "--check-oracle", "--check-uncertainty", code=2, names=["--check-uncertainty"])
 
     @staticmethod
     def figures(quality):
         blocks = quality["blocks"]
         names = ["auroc_large_error", "auroc_above_median", "spearman", "ause_ratio", "calibration_error"]
-        values = [blocks["spearman"], blocks["auroc_large_error"], *(quality[name] for name in names)]
+        published = quality["published_ause"]["images"]
+        values = [blocks["spearman"], blocks["auroc_large_error"], *(quality[name] for name in names),
+                  *(published[name] for name in ("mae", "rmse", "dssim"))]  # fmt: skip
         return ["-" if value is None else f"{value:.3f}" for value in values]
 
     def test_a_folder_with_a_test_view_is_used_without_it(self):

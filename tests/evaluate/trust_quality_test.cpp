@@ -70,20 +70,34 @@ TEST(MeasureTrust, ComparesUncertaintyWithErrors) {
   }
   std::vector<float> knows(kBalls, 0.01f), errs(kBalls, 0.3f);
   knows.back() = 0.3f, errs.back() = 0.01f;
-  const OracleQuality right = *MeasureTrust(g, {{}, knows}, {view}, {}).of_gaussians;
-  const OracleQuality wrong = *MeasureTrust(g, {{}, errs}, {view}, {}).of_gaussians;
+  const UncertaintyQuality right_one = *MeasureTrust(g, {{}, knows}, {view}, {}).of_gaussians;
+
+  const OracleQuality& right = right_one.pixels;
+  const OracleQuality wrong = MeasureTrust(g, {{}, errs}, {view}, {}).of_gaussians->pixels;
   EXPECT_GT(right.auroc_large_error, 0.9);
   EXPECT_LT(wrong.auroc_large_error, 0.1);
   EXPECT_LT(right.ause_ratio, 0.7);
+  EXPECT_GT(right_one.pooled.mae, 0);
+  EXPECT_LT(right_one.pooled.mae, 0.3);
+  EXPECT_EQ(right_one.pooled.rmse, right_one.means.rmse);  // of one image
+  EXPECT_EQ(ToJson(right_one)["published_ause"]["images"]["dssim"], right_one.means.dssim);
   // Models that differ in that ball know it, too.
   Gaussians other = g;
   other.sh = g.sh.Clone();
   for (int64_t c = 0; c < 3; ++c) other.sh[kShFloats * (kBalls - 1) + c] = 0.5f;
   Uncertainty models(g, {other}, {});
-  EXPECT_GT(MeasureTrust(g, {}, {view}, {}, &models).of_models->auroc_large_error, 0.9);
+  const TrustQuality of_both = MeasureTrust(g, {}, {view}, {}, &models);
+  EXPECT_GT(of_both.of_models->pixels.auroc_large_error, 0.9);
+  ASSERT_EQ(of_both.errors_of_models.size(), 1);
+  EXPECT_EQ(of_both.errors_of_models[0].error.size(), of_both.of_models->pixels.pixels);
+  // A model alone expects errors by itself, at the same pixels.
+  const std::vector<ExpectedErrors> alone = ErrorsAtUnseen(g, {view}, {});
+  ASSERT_EQ(alone.size(), 1);
+  EXPECT_EQ(alone[0].error, of_both.errors_of_models[0].error);
+  EXPECT_NE(alone[0].expected, of_both.errors_of_models[0].expected);
   // Another exposure is no error: a map of colors explains it.
   for (size_t i = 0; i < view.rgb.data.size(); ++i) view.rgb.data[i] = 0.5f * render[static_cast<int64_t>(i)];
-  EXPECT_TRUE(std::isnan(MeasureTrust(g, {{}, errs}, {view}, {}).of_gaussians->auroc_large_error));
+  EXPECT_TRUE(std::isnan(MeasureTrust(g, {{}, errs}, {view}, {}).of_gaussians->pixels.auroc_large_error));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/evaluate/rank_statistics.h"
+#include "oraclegs/evaluate/sparsification.h"
 #include "oraclegs/image/similarity.h"
 
 namespace oraclegs {
@@ -28,24 +29,6 @@ void CheckPixels(const std::vector<float>& error, const std::vector<float>& conf
       throw ShapeError("OracleQuality: the confidence of pixel {} is {}, must be in 0 .. 1", i, confidence[i]);
     }
   }
-}
-
-/// Mean over m = 1 .. n of the mean error of the m pixels that are kept longest. `removed`: order of removal, by `key`.
-/// Pixels of equal key leave in random order, so each has the mean error of its tie.
-double SparsificationArea(const std::vector<float>& error, const std::vector<float>& key,
-                          const std::vector<int64_t>& removed) {
-  std::vector<double> expected(removed.size());
-  ForEachTie(key, removed, [&](int64_t begin, int64_t end) {
-    double sum = 0;
-    for (int64_t k = begin; k < end; ++k) sum += static_cast<double>(error[removed[k]]);
-    std::fill(expected.begin() + begin, expected.begin() + end, sum / static_cast<double>(end - begin));
-  });
-  double sum = 0, area = 0, kept = 0;
-  for (auto e = expected.rbegin(); e != expected.rend(); ++e) {
-    sum += *e;
-    area += sum / ++kept;
-  }
-  return area / kept;
 }
 
 std::vector<bool> Above(const std::vector<float>& error, float threshold) {

@@ -7,9 +7,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/evaluate/evaluate.h"
-#include "oraclegs/evaluate/metrics.h"
-#include "oraclegs/image/color_error.h"
+#include "oraclegs/evaluate/pixel_errors.h"
 #include "oraclegs/image/similarity.h"
 #include "oraclegs/render/render.h"
 
@@ -31,16 +29,37 @@ Buffer<float> ColorsOf(const GaussianMarks& marks, int64_t n) {
   return colors;
 }
 
-/// The pixels that count, of all views.
-struct TrustPixels {
-  std::vector<float> error, support, of_gaussians, of_models;
+/// Lists of one number for each pixel of each view.
+using OfViews = std::vector<std::vector<float>>;
 
-  std::optional<OracleQuality> QualityOf(std::vector<float> uncertainty) const {
-    if (error.empty() || uncertainty.empty()) return std::nullopt;
-    for (float& value : uncertainty) value = ExpectedSimilarity(value);
-    return OracleQuality::FromPixels(error, uncertainty);
-  }
-};
+std::vector<float> Pooled(const OfViews& of_views) {
+  std::vector<float> all;
+  for (const std::vector<float>& view : of_views) all.insert(all.end(), view.begin(), view.end());
+  return all;
+}
+
+std::optional<UncertaintyQuality> QualityOf(const std::vector<PixelErrors>& errors, const OfViews& uncertainty) {
+  OfViews error_of_views;
+  for (const PixelErrors& view : errors) error_of_views.push_back(view.error);
+  std::vector<float> confidence = Pooled(uncertainty);
+  if (confidence.empty()) return std::nullopt;
+  for (float& value : confidence) value = ExpectedSimilarity(value);
+  return UncertaintyQuality{OracleQuality::FromPixels(Pooled(error_of_views), confidence),
+                            PooledAuse(errors, uncertainty), MeanAuse(errors, uncertainty)};
+}
+
+std::vector<float> At(const std::vector<int64_t>& pixels, const std::vector<float>& values) {
+  std::vector<float> at;
+  for (const int64_t p : pixels) at.push_back(values[static_cast<size_t>(p)]);
+  return at;
+}
+
+/// Every how many pixels count, so that they are at most kMaxPixels.
+int64_t StepFor(const std::vector<LoadedView>& views) {
+  int64_t pixels = 0;
+  for (const LoadedView& view : views) pixels += int64_t{view.camera.width} * view.camera.height;
+  return std::max<int64_t>(1, (pixels + kMaxPixels - 1) / kMaxPixels);
+}
 
 }  // namespace
 
@@ -73,6 +92,12 @@ nlohmann::json ToJson(const SupportQuality& quality) {
   return {{"pixels", quality.pixels}, {"classes", std::move(classes)}};
 }
 
+nlohmann::json ToJson(const UncertaintyQuality& quality) {
+  nlohmann::json json = ToJson(quality.pixels);
+  json["published_ause"] = {{"pooled", ToJson(quality.pooled)}, {"images", ToJson(quality.means)}};
+  return json;
+}
+
 TrustQuality MeasureTrust(const Gaussians& gaussians, const GaussianMarks& marks, const std::vector<LoadedView>& views,
                           const RenderOptions& options, Uncertainty* models) {
   const Gaussians tinted = Recolored(gaussians, ColorsOf(marks, gaussians.size()));
@@ -80,31 +105,45 @@ TrustQuality MeasureTrust(const Gaussians& gaussians, const GaussianMarks& marks
   on_black.background = {0, 0, 0};
   on_black.sh_degree = 0;
   const std::unique_ptr<Rasterizer> rasterizer = MakeRasterizer(gaussians.means.device());
-  int64_t pixels = 0;
-  for (const LoadedView& view : views) pixels += int64_t{view.camera.width} * view.camera.height;
-  const int64_t step = (pixels + kMaxPixels - 1) / kMaxPixels;
-  TrustPixels all;
+  const int64_t step = StepFor(views);
+  std::vector<PixelErrors> errors;
+  OfViews error, support, of_gaussians, of_models;
   for (const LoadedView& view : views) {
     ThrowIfInterrupted();
     const Buffer<float> said =
         rasterizer->Forward(tinted, view.camera, on_black, RenderPass::kInference).image.To(kCpu).Clone();
     const RenderOutput out = rasterizer->Forward(gaussians, view.camera, options, RenderPass::kInference);
-    const Buffer<float> alpha = out.alpha.To(kCpu), truth = ToBuffer(view.rgb);
-    const Buffer<float> image = ColorCorrected(out.image.To(kCpu), truth, MaskOf(view));
-    const std::vector<float> of_models = models != nullptr ? models->At(view.camera) : std::vector<float>();
-    for (int64_t p = 0; p < alpha.count(); p += step) {
-      if (alpha[p] < kDrawnAlpha || (!view.mask.empty() && view.mask[static_cast<size_t>(p)] == 0)) continue;
-      all.error.push_back(ColorError(image.data() + 3 * p, truth.data() + 3 * p));
-      all.support.push_back(std::clamp(said[3 * p], 0.f, 1.f));
-      all.of_gaussians.push_back(std::clamp(said[3 * p + 1] / alpha[p], 0.f, 1.f));
-      if (!of_models.empty()) all.of_models.push_back(of_models[static_cast<size_t>(p)]);
+    const Buffer<float> alpha = out.alpha.To(kCpu);
+    errors.push_back(ErrorsOf(out, view, step));
+    error.push_back(errors.back().error);
+    support.emplace_back(), of_gaussians.emplace_back();
+    for (const int64_t p : errors.back().at) {
+      support.back().push_back(std::clamp(said[3 * p], 0.f, 1.f));
+      of_gaussians.back().push_back(std::clamp(said[3 * p + 1] / alpha[p], 0.f, 1.f));
     }
+    if (models != nullptr) of_models.push_back(At(errors.back().at, models->At(view.camera)));
   }
   TrustQuality quality;
-  if (!marks.support.empty()) quality.support = SupportQuality::FromPixels(all.error, all.support);
-  if (!marks.uncertainty.empty()) quality.of_gaussians = all.QualityOf(std::move(all.of_gaussians));
-  quality.of_models = all.QualityOf(std::move(all.of_models));
+  if (!marks.support.empty()) quality.support = SupportQuality::FromPixels(Pooled(error), Pooled(support));
+  if (!marks.uncertainty.empty()) quality.of_gaussians = QualityOf(errors, of_gaussians);
+  quality.of_models = QualityOf(errors, of_models);
+  for (size_t v = 0; v < of_models.size(); ++v) quality.errors_of_models.push_back({error[v], of_models[v]});
   return quality;
+}
+
+std::vector<ExpectedErrors> ErrorsAtUnseen(const Gaussians& gaussians, const std::vector<LoadedView>& views,
+                                           const RenderOptions& options) {
+  const std::unique_ptr<Rasterizer> rasterizer = MakeRasterizer(gaussians.means.device());
+  Uncertainty uncertainty(gaussians, {}, options);
+  const int64_t step = StepFor(views);
+  std::vector<ExpectedErrors> all;
+  for (const LoadedView& view : views) {
+    ThrowIfInterrupted();
+    const PixelErrors errors =
+        ErrorsOf(rasterizer->Forward(gaussians, view.camera, options, RenderPass::kInference), view, step);
+    all.push_back({errors.error, At(errors.at, uncertainty.At(view.camera))});
+  }
+  return all;
 }
 
 }  // namespace oraclegs

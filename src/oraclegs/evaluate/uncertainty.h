@@ -14,9 +14,6 @@ namespace oraclegs {
 /// Error in [0, 1] that has the last color of images of errors; larger ones have it, too.
 inline constexpr float kLargestShownError = 0.3f;
 
-/// Alpha, from which on a pixel shows the model.
-inline constexpr float kDrawnAlpha = 0.1f;
-
 /// The error to expect of a model's renders, from how far the renders of several models differ: it and those that
 /// learned from the same photos in other ways. Where photos leave something open, each fills it in differently.
 class Uncertainty {

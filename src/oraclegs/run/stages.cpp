@@ -19,7 +19,7 @@ const std::vector<Stage>& Stages() {
       {"propose", 3, {"depth", "proxies"}, ProposeStage()},
       {"validate", 5, {"propose"}, ValidateStage()},
       {"train", 4, {"sfm", "depth", "validate"}, TrainStage()},
-      {"evaluate", 4, {"train"}, EvaluateStage()},
+      {"evaluate", 5, {"train"}, EvaluateStage()},
       {"report", 1, {"evaluate"}, ReportStage()},
   };
   return stages;

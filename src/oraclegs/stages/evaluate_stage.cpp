@@ -9,6 +9,7 @@
 #include "oraclegs/evaluate/uncertainty.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/gaussians/transform.h"
+#include "oraclegs/propose/ensemble.h"
 #include "oraclegs/scene/frame.h"
 #include "oraclegs/scene/frame_comments.h"
 #include "oraclegs/scene/loaded_view.h"
@@ -22,6 +23,8 @@
 namespace oraclegs {
 namespace {
 namespace fs = std::filesystem;
+
+constexpr size_t kMaxBoundPhotos = 24;  // more take time and change little
 
 /// Where nothing is held out, the training views are rendered, so that there is something to look at.
 const std::vector<int>& ScoredViews(const Split& split) { return split.test.empty() ? split.train : split.test; }
@@ -54,6 +57,37 @@ void AddTrust(const TrustQuality& quality, nlohmann::json* record) {
   if (quality.support) (*record)["support"] = ToJson(*quality.support);
   if (quality.of_gaussians) (*record)["uncertainty"]["gaussians"] = ToJson(*quality.of_gaussians);
   if (quality.of_models) (*record)["uncertainty"]["models"] = ToJson(*quality.of_models);
+}
+
+/// Those of the photos that draft model `k` of `models` has left out that the bound is from.
+std::vector<LoadedView> UnseenPhotos(const std::vector<LoadedView>& photos, int models, int k) {
+  const std::vector<int> left_out = HeldOutViews(static_cast<int>(photos.size()), models, k);
+  const size_t step = (left_out.size() * static_cast<size_t>(models) + kMaxBoundPhotos - 1) / kMaxBoundPhotos;
+  std::vector<LoadedView> unseen;
+  for (size_t i = 0; i < left_out.size(); i += step) unseen.push_back(photos[static_cast<size_t>(left_out[i])]);
+  return unseen;
+}
+
+/// Bound of the errors, by the draft models at photos that each left out; nothing for a run without them.
+std::optional<ErrorBound> BoundOf(Run* run, const RenderOptions& options) {
+  const nlohmann::json record = run->workspace.Record("proxies");
+  if (!record.is_object()) return std::nullopt;
+  const int models = record.value("models", 0);
+  const auto files = record.value("files", std::vector<std::string>());  // of each model before and after it finished
+  if (models < 2 || files.size() != 2 * static_cast<size_t>(models)) return std::nullopt;
+  std::vector<ExpectedErrors> errors;
+  for (int k = 0; k < models; ++k) {
+    try {
+      const fs::path before = run->workspace.root() / files[2 * static_cast<size_t>(k)];
+      const Gaussians gaussians = ReadIntactGaussianPly(before).gaussians.To(run->plan.device);
+      const std::vector<LoadedView> unseen = UnseenPhotos(ViewsOf(run).views, models, k);
+      for (ExpectedErrors& photo : ErrorsAtUnseen(gaussians, unseen, options)) errors.push_back(std::move(photo));
+    } catch (const InputError& error) {
+      run->listener(Warning{fmt::format("{}; no bound of the errors is given", error.what())});
+      return std::nullopt;
+    }
+  }
+  return BoundFrom(errors);
 }
 
 TrustQuality TrustOf(const Run& run, const Model& model, const std::vector<LoadedView>& views) {
@@ -94,7 +128,15 @@ std::optional<nlohmann::json> MakeEvaluate(Run* run, const std::string&) {
                            {"peak_memory_bytes", PeakMemoryBytes()},
                            {"files", {"metrics.json"}}};
   if (!held_out) record["train_views"] = std::move(scores);
-  if (held_out) AddTrust(TrustOf(*run, model, views), &record);
+  TrustQuality trust;
+  if (held_out) {
+    trust = TrustOf(*run, model, views);
+    AddTrust(trust, &record);
+  }
+  if (const std::optional<ErrorBound> bound = BoundOf(run, model.render)) {
+    const BoundCheck check = CheckBound(*bound, trust.errors_of_models);
+    record["uncertainty"]["bound"] = ToJson(*bound, trust.of_models ? &check : nullptr);
+  }
   record["seconds"] = watch.Seconds();
   WriteFileAtomically(workspace.metrics(), MetricsToJson(*run, record).dump(2) + "\n");
   return record;

@@ -12,6 +12,7 @@
 #include "oraclegs/evaluate/evaluate.h"
 #include "oraclegs/evaluate/metrics.h"
 #include "oraclegs/evaluate/oracle_quality.h"
+#include "oraclegs/evaluate/sparsification.h"
 #include "oraclegs/image/color_error.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/propose/proposal_files.h"
@@ -47,6 +48,8 @@ struct MeasuredProposals {
   std::vector<float> errors, confidence;  ///< values of the pixels that count
   BlockSamples blocks, uniform_blocks;
   double psnr = 0;  ///< sum over the views
+  std::vector<PixelErrors> of_views;
+  std::vector<std::vector<float>> doubts;
   int views = 0;
 
   /// Compares the proposal at a view's pose with its image; another exposure is no error. Throws InputError for files
@@ -60,6 +63,12 @@ struct MeasuredProposals {
       throw InputError("{}: is not of its view's size; delete it and run `oraclegs validate` again", image.string());
     }
     const Buffer<float> target = ToBuffer(truth.rgb);
+    RenderOutput drawn;
+    drawn.image = ToBuffer(proposal);
+    drawn.alpha = Buffer<float>::Full({truth.rgb.height, truth.rgb.width}, 1.f);
+    of_views.push_back(ErrorsOf(drawn, truth));
+    doubts.emplace_back();
+    for (const int64_t p : of_views.back().at) doubts.back().push_back(1 - trust.data[static_cast<size_t>(3 * p)]);
     const Buffer<float> corrected = ColorCorrected(ToBuffer(proposal), target, MaskOf(truth));
     ErrorMap of_view{truth.rgb.width, truth.rgb.height, {}, {}, {}};
     double squares = 0;
@@ -228,10 +237,13 @@ nlohmann::json ReportOracle(const Run& run) {
         "with --views N below the number of photos can be measured",
         run.workspace.root().string());
   }
+  nlohmann::json oracle = measured.Quality(measured.blocks, measured.confidence);
+  oracle["published_ause"] = {{"pooled", ToJson(PooledAuse(measured.of_views, measured.doubts))},
+                              {"images", ToJson(MeanAuse(measured.of_views, measured.doubts))}};
   nlohmann::json report = {
       {"views", measured.views},
       {"psnr", measured.psnr / measured.views},
-      {"oracle", measured.Quality(measured.blocks, measured.confidence)},
+      {"oracle", std::move(oracle)},
       {"uniform", measured.Quality(measured.uniform_blocks, std::vector<float>(measured.errors.size(), 1.f))}};
   WriteFileAtomically(run.workspace.root() / "oracle.json", report.dump(2) + "\n");
   return report;

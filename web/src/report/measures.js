@@ -27,12 +27,32 @@ export function support(run) {
 }
 
 export function certainty(run) {
+  const parts = [measuredCertainty(run), ...bounds(run)].filter(Boolean);
+  return parts.length > 0 && h('div', {}, h('p', {class: 'lead'}, 'Models that learned from the same photos differ where the photos leave something open. How far they differ is the error to expect.'), parts);
+}
+
+function measuredCertainty(run) {
   const measured = run.uncertainty?.models ?? run.uncertainty?.gaussians;
   if (!Number.isFinite(measured?.auroc_large_error)) return null;
   const kept = 100 * (1 - measured.ause_ratio);
-  return h('p', {class: 'lead'}, 'Models that learned from the same photos differ where the photos leave something open. How far they differ is the error to expect. ',
-    `On the test photos, which no model saw, it finds errors above 0.1 with an AUROC of ${number(measured.auroc_large_error, 2)} (0.5 is chance, 1 is perfect), `,
+  return h('p', {class: 'lead'}, `On the test photos, which no model saw, it finds errors above 0.1 with an AUROC of ${number(measured.auroc_large_error, 2)} (0.5 is chance, 1 is perfect), `,
     `and sorting pixels by it gains ${number(kept, 0)} % of what sorting them by their true errors would.`);
+}
+
+// What most errors stay below, by photos that a draft had not seen.
+function bounds(run) {
+  const known = (run.uncertainty?.bound?.classes ?? []).filter((row) => Number.isFinite(row.below));
+  if (known.length === 0) return [];
+  const {photos} = run.uncertainty.bound;
+  const tested = known.some((row) => Number.isFinite(row.pixels));
+  const expected = ({from, to}) => to >= 1 ? `from ${number(from, 2)}` : `up to ${number(to, 2)}`;
+  return [h('p', {class: 'lead'}, `Drafts that had learned from a part of the photos were held against ${photos} others. The result has learned from all of them, so it should err less than this.`),
+    h('div', {class: 'card'}, table(known, [
+      {name: 'Error to expect', value: (row) => row.from, cell: expected},
+      {name: '9 of 10 pixels err less than', number: true, value: (row) => row.below, cell: (row) => number(row.below, 3)},
+      ...tested ? [{name: 'Pixels of test views', number: true, value: (row) => row.pixels, cell: (row) => percent(row.pixels, 1)},
+                   {name: 'Of those, below it', number: true, value: (row) => row.covered, cell: (row) => percent(row.covered, 1)}] : []],
+    {caption: 'What most errors stay below'}))];
 }
 
 export function calibration(run) {

@@ -7,6 +7,7 @@
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/depth/silhouettes.h"
+#include "oraclegs/evaluate/pixel_errors.h"
 #include "oraclegs/evaluate/uncertainty.h"
 #include "oraclegs/image/colormap.h"
 #include "oraclegs/image/read_image.h"

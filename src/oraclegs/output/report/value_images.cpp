@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "oraclegs/evaluate/pixel_errors.h"
 #include "oraclegs/evaluate/uncertainty.h"
 #include "oraclegs/image/colormap.h"
 #include "oraclegs/render/recolor.h"
