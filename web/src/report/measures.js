@@ -46,7 +46,7 @@ function bounds(run) {
   const {photos} = run.uncertainty.bound;
   const tested = known.some((row) => Number.isFinite(row.pixels));
   const expected = ({from, to}) => to >= 1 ? `from ${number(from, 2)}` : `up to ${number(to, 2)}`;
-  return [h('p', {class: 'lead'}, `Drafts that had learned from a part of the photos were held against ${photos} others. The result has learned from all of them, so it should err less than this.`),
+  return [h('p', {class: 'lead'}, `Drafts that had each learned from a part of the photos were held against the others, ${photos} in all. The result has learned from all of them, so it should err less than this.`),
     h('div', {class: 'card'}, table(known, [
       {name: 'Error to expect', value: (row) => row.from, cell: expected},
       {name: '9 of 10 pixels err less than', number: true, value: (row) => row.below, cell: (row) => number(row.below, 3)},
