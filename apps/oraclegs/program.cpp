@@ -52,7 +52,7 @@ Program::Program() {
   add("Look and share", MakeView, MakeRender, MakeExport, MakeMesh, MakeCameras, MakeInfo);
   add("Single stages", MakeSfm, MakeDepth, MakePropose, MakeValidate, MakeTrain);
   add("Measure", MakeEvaluate, MakeBench, MakeAblate, MakeFigure);
-  add("Set up", MakeModels, of_all(MakeHelp), of_all(MakeCompletion), of_all(MakeMan));
+  add("Set up", MakeDoctor, MakeModels, of_all(MakeHelp), of_all(MakeCompletion), of_all(MakeMan));
 }
 
 Catalog Program::Describe() const {

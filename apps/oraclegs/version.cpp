@@ -24,18 +24,6 @@ std::string NameOf(int64_t target) {
   return name == "AVX3" ? "AVX-512" : name == "AVX3_DL" ? "AVX-512 of Ice Lake" : name;
 }
 
-/// Instruction sets that are built and in use; a better one has a lower bit.
-std::string InstructionSetsText() {
-  std::string in_use = "none of them", built;
-  for (int bit = 62; bit >= 0; --bit) {
-    const int64_t target = int64_t{1} << bit;
-    if ((HWY_TARGETS & target) == 0) continue;
-    if ((hwy::SupportedTargets() & target) != 0) in_use = NameOf(target);
-    built += fmt::format("{}{}", built.empty() ? "" : ", ", NameOf(target));
-  }
-  return fmt::format("{} in use ({} built), {}", in_use, built, Counted(NumThreads(), "thread"));
-}
-
 std::string NetworksText() {
 #ifdef ORACLEGS_NETWORKS
   const auto library = FindLibraryFile("liboraclegs_networks.so");
@@ -54,9 +42,10 @@ std::string CudaText() {
 #endif
 }
 
-/// The word after `name` in the first line that the program prints, or that it is not there.
-std::string ProgramVersion(const std::string& program, const std::string& argument, const std::string& before) {
-  if (FindProgram(program).empty()) return "not found";
+/// The word after `before` in what a program prints; nothing where there is no such program.
+std::optional<std::string> VersionOf(const std::string& program, const std::string& argument,
+                                     const std::string& before) {
+  if (FindProgram(program).empty()) return std::nullopt;
   ProcessRequest request{{program, argument}};
   request.time_limit = std::chrono::duration<double>(kProgramSeconds);
   const std::string output = RunProcess(request).output;
@@ -68,11 +57,27 @@ std::string ProgramVersion(const std::string& program, const std::string& argume
 
 }  // namespace
 
+std::string InstructionSetsText() {
+  std::string in_use = "none of them", built;
+  for (int bit = 62; bit >= 0; --bit) {  // a better one has a lower bit
+    const int64_t target = int64_t{1} << bit;
+    if ((HWY_TARGETS & target) == 0) continue;
+    if ((hwy::SupportedTargets() & target) != 0) in_use = NameOf(target);
+    built += fmt::format("{}{}", built.empty() ? "" : ", ", NameOf(target));
+  }
+  return fmt::format("{} in use ({} built), {}", in_use, built, Counted(NumThreads(), "thread"));
+}
+
+std::optional<std::string> ColmapVersion() { return VersionOf("colmap", "-h", "COLMAP "); }
+
+std::optional<std::string> FfmpegVersion() { return VersionOf("ffmpeg", "-version", "ffmpeg version "); }
+
+std::string ProgramText() { return fmt::format("oraclegs {} (commit {})", ORACLEGS_VERSION, CommitText()); }
+
 std::string VersionText() {
-  return fmt::format(
-      "oraclegs {} (commit {})\ncpu        {}\ncuda       {}\nlibtorch   {}\ncolmap     {}\nffmpeg     {}",
-      ORACLEGS_VERSION, CommitText(), InstructionSetsText(), CudaText(), NetworksText(),
-      ProgramVersion("colmap", "-h", "COLMAP "), ProgramVersion("ffmpeg", "-version", "ffmpeg version "));
+  return fmt::format("{}\ncpu        {}\ncuda       {}\nlibtorch   {}\ncolmap     {}\nffmpeg     {}", ProgramText(),
+                     InstructionSetsText(), CudaText(), NetworksText(), ColmapVersion().value_or("not found"),
+                     FfmpegVersion().value_or("not found"));
 }
 
 }  // namespace oraclegs

@@ -13,7 +13,7 @@ from pathlib import Path
 from harness import ROOT, SMALL_RUN, EndToEnd, command, files_below, main
 
 COMMANDS = ["reconstruct", "sfm", "depth", "propose", "validate", "train", "evaluate", "bench", "ablate", "render", "figure", "export", "mesh", "cameras",
-            "view", "info", "models", "demo", "demo-scene", "help", "completion", "man"]  # fmt: skip
+            "view", "info", "doctor", "models", "demo", "demo-scene", "help", "completion", "man"]  # fmt: skip
 
 # Headers below src/oraclegs that declare options: all of a run, and those of single commands.
 RUN_OPTIONS = ["settings/options.h", "capture/import.h", "scene/split.h", "scene/loaded_view.h", "depth/stereo.h", "train/options.h",
@@ -30,7 +30,7 @@ NOT_SHOWN = {
     "propose": ["validate/options.h"],
     **{name: ["capture/import.h", "depth/stereo.h", "propose/options.h", "propose/trajectory.h", "validate/options.h", "networks/seva_options.h"]
        for name in ["evaluate", "render", "figure", "mesh"]},
-    **{name: RUN_OPTIONS for name in ["export", "view", "info", "models", "demo", "demo-scene", "help", "completion", "man"]},
+    **{name: RUN_OPTIONS for name in ["export", "view", "info", "doctor", "models", "demo", "demo-scene", "help", "completion", "man"]},
 }
 
 # Of these headers, what single commands have nevertheless.
@@ -116,6 +116,27 @@ class Help(unittest.TestCase):
         for line in ["cpu .* in use \\(.* built\\), \\d+ threads?", "cuda .*", "libtorch .*", "colmap .*", "ffmpeg .*"]:
             self.assertRegex(text, rf"(?m)^{line}$")
         self.assertEqual(len(text.splitlines()), 6)
+
+    def test_the_doctor_says_what_is_missing_and_how_to_get_it(self):
+        def doctor(*arguments, **variables):
+            return subprocess.run(command("doctor", *arguments), env={**os.environ, **variables}, capture_output=True, text=True, check=True).stdout
+
+        def found(**variables):
+            told = json.loads(doctor("--json", **variables))
+            self.assertTrue(told["program"].startswith("oraclegs "))
+            return {finding["name"]: finding for finding in told["findings"]}
+
+        here = found()
+        self.assertTrue(here["colmap"]["here"])
+        self.assertRegex(here["colmap"]["found"], r"^[0-9]+\.[0-9]+")
+        self.assertIn("GB", here["memory"]["found"])
+        self.assertFalse(here["weights"]["here"])  # of the tests
+        bare = found(PATH="/nonexistent")
+        for name in ("colmap", "ffmpeg"):
+            self.assertFalse(bare[name]["here"])
+            self.assertEqual(bare[name]["found"], "not found")
+            self.assertEqual(bare[name]["advice"], f"apt install {name}")
+        self.assertRegex(doctor(PATH="/nonexistent"), r"(?m)^missing +colmap +not found$")
 
     def test_documents_name_every_preset(self):
         pages = (ROOT / "docs/tutorial.md").read_text() + (ROOT / "docs/commands.md").read_text()
