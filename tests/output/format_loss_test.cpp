@@ -1,6 +1,7 @@
 #include "oraclegs/output/format_loss.h"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "formats/splats.h"
@@ -45,9 +46,11 @@ TEST(PsnrFromAround, FallsWithTheError) {
   }
 }
 
-TEST(PsnrFromAround, OfGaussiansAtOnePlaceAndOfHiddenOnes) {
+TEST(PsnrFromAround, OfGaussiansAtOnePlaceFarOnesAndHiddenOnes) {
   const Gaussians g = PlausibleGaussians(3), faint = PlausibleGaussians(3);
   Flat(g.means) = 1.f;
+  EXPECT_EQ(PsnrFromAround(g, g, {}), INFINITY);
+  for (int64_t i = 0; i < 9; ++i) g.means[i] = (i % 2 == 0 ? 1.f : -1.f) * std::numeric_limits<float>::max();
   EXPECT_EQ(PsnrFromAround(g, g, {}), INFINITY);
   Flat(faint.opacity_logits) = -9.f;
   EXPECT_EQ(PsnrFromAround(faint, faint, {}), INFINITY);

@@ -34,10 +34,9 @@ Ball MiddleOf(const Gaussians& model) {
     for (int64_t k = 0; k < n; ++k) values[k] = mean(k)[c];
     middle.center[c] = Median(&values);
   }
-  for (int64_t k = 0; k < n; ++k) {
-    values[k] = static_cast<float>((mean(k).cast<double>() - middle.center).norm());
-  }
-  middle.radius = Median(&values);
+  std::vector<double> distances(static_cast<size_t>(n));  // finite for all floats
+  for (int64_t k = 0; k < n; ++k) distances[k] = (mean(k).cast<double>() - middle.center).norm();
+  middle.radius = Median(&distances);
   if (middle.radius > 0) return middle;
   middle.radius = 3 * std::exp(model.log_scales[0]);  // all at one place
   return middle;
