@@ -137,6 +137,7 @@ std::unique_ptr<Command> MakeEvaluate(CLI::App* app);
 std::unique_ptr<Command> MakeRender(CLI::App* app);
 std::unique_ptr<Command> MakeFigure(CLI::App* app);
 std::unique_ptr<Command> MakeExport(CLI::App* app);
+std::unique_ptr<Command> MakeConvert(CLI::App* app);
 std::unique_ptr<Command> MakeView(CLI::App* app);
 std::unique_ptr<Command> MakeMesh(CLI::App* app);
 std::unique_ptr<Command> MakeCameras(CLI::App* app);

@@ -12,13 +12,13 @@ from pathlib import Path
 
 from harness import ROOT, SMALL_RUN, EndToEnd, command, files_below, main
 
-COMMANDS = ["reconstruct", "sfm", "depth", "propose", "validate", "train", "evaluate", "bench", "ablate", "render", "figure", "export", "mesh", "cameras",
+COMMANDS = ["reconstruct", "sfm", "depth", "propose", "validate", "train", "evaluate", "bench", "ablate", "render", "figure", "export", "convert", "mesh", "cameras",
             "view", "info", "doctor", "models", "demo", "demo-scene", "help", "completion", "man"]  # fmt: skip
 
 # Headers below src/oraclegs that declare options: all of a run, and those of single commands.
 RUN_OPTIONS = ["settings/options.h", "capture/import.h", "scene/split.h", "scene/loaded_view.h", "depth/stereo.h", "train/options.h",
                "propose/options.h", "propose/trajectory.h", "validate/options.h", "networks/seva_options.h"]
-OWN_OPTIONS = {"ablate": "experiments/ablation.h", "bench": "experiments/bench/bench_plan.h", "render": "output/render_path.h", "figure": "output/figures/figure.h", "export": "output/export.h",
+OWN_OPTIONS = {"ablate": "experiments/ablation.h", "bench": "experiments/bench/bench_plan.h", "render": "output/render_path.h", "figure": "output/figures/figure.h", "export": "output/export.h", "convert": "output/export.h",
                "mesh": "mesh/fuse_model.h", "demo": "demo/demo_scene.h", "demo-scene": "demo/demo_scene.h", "view": "../../apps/oraclegs/viewing.h", "models": "weights/fetch.h"}  # fmt: skip
 
 # Headers of run options that a command has no use for.
@@ -30,7 +30,7 @@ NOT_SHOWN = {
     "propose": ["validate/options.h"],
     **{name: ["capture/import.h", "depth/stereo.h", "propose/options.h", "propose/trajectory.h", "validate/options.h", "networks/seva_options.h"]
        for name in ["evaluate", "render", "figure", "mesh"]},
-    **{name: RUN_OPTIONS for name in ["export", "view", "info", "doctor", "models", "demo", "demo-scene", "help", "completion", "man"]},
+    **{name: RUN_OPTIONS for name in ["export", "convert", "view", "info", "doctor", "models", "demo", "demo-scene", "help", "completion", "man"]},
 }
 
 # Of these headers, what single commands have nevertheless.

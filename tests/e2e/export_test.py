@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Exports in every format, opened by programs of others (tests/foreign), and what an export refuses."""
+"""Exports and conversions in every format, opened by programs of others (tests/foreign), and what they refuse."""
 
 import json
 import math
@@ -208,6 +208,55 @@ class Export(EndToEnd):
         self.error_of("export", self.ply, "-o", self.dir / "refused.spz", "--up", "w", code=2, names=["--up", "-z"])
         self.error_of("export", self.ply, "-o", self.dir / "refused.spz", "--scale", 0, code=2, names=["--scale"])
         self.assertFalse((self.dir / "refused.spz").exists())
+
+    def test_convert_takes_one_file(self):
+        out = self.dir / "one.spz"
+        said = self.run_program("convert", self.ply, out, "--scale", 2).stdout
+        self.assertRegex(said, rf"splat +{out} \(\.spz, [\d.]+ MB, 300 of 300 Gaussians, SH degree 2; loses 0\.\d\d dB of 30 dB\)")
+        self.assertIn("loses nothing that is seen", self.run_program("convert", self.ply, self.dir / "one.glb").stdout)
+        self.error_of("convert", self.ply, out, code=2, names=[out, "is there already", "--overwrite"])
+        self.run_program("convert", self.ply, out, "--overwrite")
+        self.run_program("convert", out, self.dir / "new/folder", "--format", ".compressed.ply")
+        self.assertTrue((self.dir / "new/folder/one.compressed.ply").is_file())
+        self.error_of("convert", self.ply, self.ply, code=2, names=["is the input itself"])
+        self.error_of("convert", self.ply, code=2, names=["out"])
+
+    def test_convert_takes_a_folder(self):
+        folder, out = self.dir / "splats", self.dir / "small"
+        (folder / "sog").mkdir(parents=True)
+        write_ply(folder / "a.ply", self.rows[:100])
+        self.run_program("convert", folder / "a.ply", folder / "b.c.compressed.ply")
+        self.run_program("convert", folder / "a.ply", self.dir / "whole.sog")
+        with zipfile.ZipFile(self.dir / "whole.sog") as archive:
+            archive.extractall(folder / "sog")
+        (folder / "d.ksplat").write_bytes(b"x")
+        (folder / "broken.spz").write_bytes(b"x")
+        (folder / "photo.jpg").write_bytes(b"x")
+        made = ["a.spz", "b.c.spz", "sog.spz"]
+
+        done = self.run_program("convert", folder, out, "--format", "spz", "--max-gaussians", 50, code=3)
+        self.assertEqual(sorted(path.name for path in out.iterdir()), made)
+        lines = done.stdout.splitlines()
+        self.assertEqual([line.split()[1] for line in lines[:-1]], [str(out / name) for name in made])
+        self.assertTrue(all("50 of 100 Gaussians" in line and "dB of 30 dB" in line for line in lines[:-1]), lines)
+        self.assertEqual(lines[-1], "converted  3 of 5")
+        errors = done.stderr.splitlines()
+        self.assertEqual(len(errors), 3, errors)
+        for line, name in zip(errors, [f"{folder}/broken.spz", f"{folder}/d.ksplat", "2 of 5 splats could not be converted"]):
+            self.assertIn(name, line)
+
+        (folder / "broken.spz").unlink()
+        (folder / "d.ksplat").unlink()
+        (out / "a.spz").unlink()
+        again = self.run_program("convert", folder, out, "--format", "spz").stdout.splitlines()
+        self.assertEqual([line.split()[0] for line in again], ["splat", "left", "left", "converted"])
+        self.assertIn("1 of 3; 2 were there already", again[-1])
+
+        self.error_of("convert", folder, out, code=2, names=["--format", ".spz"])
+        self.error_of("convert", folder, out, "--format", "obj", code=2, names=["--format", ".spz"])
+        self.error_of("convert", folder, out, "--format", "sog", "--crop", "cube", code=2, names=["--crop"])
+        (self.dir / "empty").mkdir()
+        self.error_of("convert", self.dir / "empty", out, "--format", "spz", code=3, names=["holds no splat"])
 
     def test_refuses_a_bomb(self):
         bomb = self.dir / "bomb.sog"

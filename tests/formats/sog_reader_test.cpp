@@ -99,7 +99,7 @@ TEST_F(DamagedSog, DescriptionIsRefused) {
     meta_[nlohmann::json::json_pointer(path)] = std::move(value);
     return Error();
   };
-  EXPECT_THAT(error("/version", 3), HasSubstr("is not SOG of version 2"));
+  EXPECT_THAT(error("/version", 3), HasSubstr("is SOG of version 3, and only 2 can be read"));
   EXPECT_THAT(error("/count", -1), HasSubstr("'count'"));
   EXPECT_THAT(error("/count", 0), HasSubstr("holds no Gaussians"));
   EXPECT_THAT(error("/count", 1e6), HasSubstr("'count'"));

@@ -30,7 +30,7 @@ TEST(SplatFormatOf, GoesByTheEndOfTheName) {
 }
 
 TEST(SplatFormatOf, RefusesAnUnknownEnd) {
-  for (const char* name : {"scene.xyz", "scene", ".ply", "dir.ply/", "scene.gltf", "scene.usdc"}) {
+  for (const char* name : {"scene.xyz", "scene", ".ply", "dir.ply/"}) {
     const std::string message = MessageOf<UsageError>([&] { SplatFormatOf(name); });
     EXPECT_THAT(message, HasSubstr(name));
     EXPECT_THAT(message,
@@ -85,8 +85,22 @@ TEST(SplatFile, KeepsSupportWhereTheFormatCan) {
   EXPECT_TRUE(ReadSplat(dir / "a.spz").marks.support.empty());
 }
 
-TEST(SplatFormatOf, SaysHowToConvertKsplat) {
-  EXPECT_THAT(MessageOf<UsageError>([] { SplatFormatOf("a/Scene.KSPLAT"); }), HasSubstr("convert it to .ply"));
+TEST(SplatFormatOf, SaysHowToConvertWhatIsNotRead) {
+  const auto error = [](const char* name) { return MessageOf<UsageError>([&] { SplatFormatOf(name); }); };
+  EXPECT_THAT(error("a/Scene.KSPLAT"), HasSubstr("Scene.KSPLAT: .ksplat is the private format of one viewer, which is "
+                                                 "neither read nor written; convert it to .ply"));
+  EXPECT_THAT(error("a.lcc"), HasSubstr("splat-transform scene.lcc scene.ply"));
+  EXPECT_THAT(error("a.rad"), HasSubstr("take the file that it was made of"));
+  EXPECT_THAT(error("a.usdc"), HasSubstr("usdcat --flatten scene.usdc -o scene.usda"));
+  EXPECT_THAT(error("a.usd"), HasSubstr("usdcat --flatten scene.usd -o scene.usda"));
+  EXPECT_THAT(error("a.gltf"), HasSubstr("write one .glb"));
+}
+
+TEST(SplatNameOf, IsTheNameWithoutTheLongestEnd) {
+  EXPECT_EQ(SplatNameOf("a/b.c.compressed.ply"), "b.c");
+  EXPECT_EQ(SplatNameOf("b.SPZ"), "b");
+  EXPECT_EQ(SplatNameOf("b.ksplat"), "b");
+  for (const char* name : {"b.jpg", ".ply", "ply", "b.ply.txt"}) EXPECT_EQ(SplatNameOf(name), std::nullopt) << name;
 }
 
 TEST(SplatFile, ReadsAFolderOfSogAndItsDescription) {

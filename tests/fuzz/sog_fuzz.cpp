@@ -1,4 +1,5 @@
-// SOG: a zip as it is, or a meta.json followed by the pixels that all of its images have.
+// SOG: a zip as it is, a folder whose meta.json and means_l.webp are given, or a meta.json followed by the pixels that
+// all of its images have.
 
 #include "fuzz/fuzz.h"
 #include "oraclegs/formats/codecs.h"
@@ -41,6 +42,13 @@ ORACLEGS_FUZZ_TARGET(sog) {
     return;
   }
   const auto parts = fuzz::Parts(bytes);
+  if (parts[0].starts_with("folder")) {
+    static const fuzz::Folder folder;
+    folder.Put("meta.json", fuzz::PartAt(parts, 1));
+    folder.Put("means_l.webp", fuzz::PartAt(parts, 2));
+    fuzz::Try([&] { ReadSogFolder(folder.path()); });
+    return;
+  }
   const std::string file = SogOf(parts[0], fuzz::PartAt(parts, 1));
   fuzz::Try([&] { DecodeSog(file, "f"); });
 }

@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/statistics.h"
 #include "support/buffers.h"
 #include "support/temp_dir.h"
 
@@ -203,6 +204,26 @@ TEST_F(GaussianPlyFile, ReadsDiscsOfTwoScales) {
   EXPECT_NEAR(read.gaussians.log_scales[2], 8 + std::log(1e-3), 1e-4);
   EXPECT_EQ(read.gaussians.quats[0], 10);
   EXPECT_THAT(read.warnings, testing::ElementsAre(HasSubstr("two scales")));
+}
+
+TEST_F(GaussianPlyFile, AppliesTheFilterOfMipSplatting) {
+  std::string text = "ply\nformat ascii 1.0\nelement vertex 1\n";
+  for (const char* name : {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2",
+                           "rot_0", "rot_1", "rot_2", "rot_3", "filter_3D"}) {
+    text += std::string("property float ") + name + "\n";
+  }
+  // Standard deviations 3, 1 and 0 with a filter of 4: 5, sqrt(17) and 4.
+  const GaussianPly read = ReadGaussianPly(Write(text + "end_header\n0 0 0 0 0 0 0 1.0986123 0 -60 1 0 0 0 4\n"));
+  EXPECT_NEAR(read.gaussians.log_scales[0], std::log(5), 1e-5);
+  EXPECT_NEAR(read.gaussians.log_scales[1], std::log(17) / 2, 1e-5);
+  EXPECT_NEAR(read.gaussians.log_scales[2], std::log(4), 1e-5);
+  EXPECT_LT(read.gaussians.opacity_logits[0], -50);  // a disc without thickness shows nothing from the side
+  EXPECT_TRUE(read.antialiased);
+  EXPECT_THAT(read.warnings, testing::ElementsAre(HasSubstr("the 3D filter of Mip-Splatting")));
+  const GaussianPly even = ReadGaussianPly(Write(text + "end_header\n0 0 0 0 0 0 9 0 0 0 1 0 0 0 1\n"));
+  EXPECT_NEAR(Sigmoid(even.gaussians.opacity_logits[0]), std::pow(0.5, 1.5), 1e-3);
+  const GaussianPly none = ReadGaussianPly(Write(text + "end_header\n0 0 0 0 0 0 9 0 0 0 1 0 0 0 0\n"));
+  EXPECT_NEAR(none.gaussians.opacity_logits[0], 9, 1e-3);
 }
 
 TEST_F(GaussianPlyFile, ReadsHarmonicsOfDegreeFourToDegreeThree) {

@@ -31,8 +31,13 @@ class SogReader {
     const auto meta = files_.find(kSogMeta);
     if (meta == files_.end()) throw InputError("{}: has no meta.json; is it a splat in SOG format?", file_);
     meta_ = ParseUniqueJson(meta->second, file_, "meta.json");
-    if (!meta_.is_object() || meta_.value("version", nlohmann::json()) != kSogVersion) {
-      throw InputError("{}: is not SOG of version {}; export it again", file_, kSogVersion);
+    if (!meta_.is_object()) throw InputError("{}: its meta.json is no object; export it again", file_);
+    const nlohmann::json version = meta_.value("version", nlohmann::json(1));  // the first one has no number
+    if (version != kSogVersion) {
+      throw InputError(
+          "{}: is SOG of version {}, and only {} can be read; write it anew with a newer SuperSplat "
+          "or splat-transform",
+          file_, version.is_number() ? version.dump() : "an unknown one", kSogVersion);
     }
     count_ = Integer(meta_, "count", kMostPixels);
     // Images of one color pack without limit, and each Gaussian takes 240 bytes of memory.

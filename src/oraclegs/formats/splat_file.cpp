@@ -20,7 +20,23 @@ namespace fs = std::filesystem;
 constexpr int kMaxPasses = 4;      // writing again what a pass has lost
 constexpr int64_t kLostOf = 1000;  // one Gaussian in so many may be left out of a file that cannot hold it
 constexpr int64_t kCutOf = 10;     // from one in so many on, cut colors are a warning
-constexpr const char *kSpz = ".spz", *kKsplat = ".ksplat";
+constexpr const char* kSpz = ".spz";
+
+/// A format that is not read, by the end of its name.
+struct RefusedFormat {
+  std::string_view end, what, way_out;
+};
+
+constexpr const char* kBySplatTransform = "convert it to .ply, for example with SuperSplat or splat-transform";
+constexpr RefusedFormat kRefused[] = {
+    {".ksplat", "the private format of one viewer", kBySplatTransform},
+    {".lcc", "XGRIDS' format in several files", "convert it to .ply by `splat-transform scene.lcc scene.ply`"},
+    {".lcc2", "XGRIDS' format in several files", "convert it to .ply by `splat-transform scene.lcc2 scene.ply`"},
+    {".rad", "Spark's format of levels of detail", "take the file that it was made of"},
+    {".usdc", "binary USD", "make a text of it by `usdcat --flatten scene.usdc -o scene.usda`"},
+    {".usd", "USD that may be binary", "make a text of it by `usdcat --flatten scene.usd -o scene.usda`"},
+    {".gltf", "glTF in several files", "let the program that made it write one .glb"},
+};
 
 constexpr float kAny = std::numeric_limits<float>::infinity();
 constexpr SplatPromise kFloats{0, 1e-4f, 0, -kAny, kAny, 0, kAny};  // docs/formats.md has the same numbers
@@ -67,6 +83,14 @@ const SplatFormat* FindFormat(const fs::path& path, const std::vector<SplatForma
     if (fits && (!found || format.extension.size() > found->extension.size())) found = &format;
   }
   return found;
+}
+
+const RefusedFormat* FindRefused(const fs::path& path) {
+  const std::string end = fs::path(LowerName(path)).extension().string();
+  for (const RefusedFormat& format : kRefused) {
+    if (end == format.end) return &format;
+  }
+  return nullptr;
 }
 
 GaussianPly ReadAny(const fs::path& path, const std::vector<SplatFormat>& formats) {
@@ -207,18 +231,24 @@ std::string SplatExtensions(const std::vector<SplatFormat>& formats) {
 
 const SplatFormat& SplatFormatOf(const fs::path& path, const std::vector<SplatFormat>& formats) {
   if (const SplatFormat* format = FindFormat(path, formats)) return *format;
-  if (LowerName(path).ends_with(kKsplat)) {
-    throw UsageError(
-        "{}: .ksplat is the private format of one viewer and is not read; convert it to .ply, for example with "
-        "SuperSplat "
-        "or splat-transform",
-        path.string());
+  if (const RefusedFormat* refused = FindRefused(path)) {
+    throw UsageError("{}: {} is {}, which is neither read nor written; {}", path.string(), refused->end, refused->what,
+                     refused->way_out);
   }
   throw UsageError("{}: is no known splat format; give a file name that ends in {}", path.string(),
                    SplatExtensions(formats));
 }
 
 bool IsSplatFolder(const fs::path& path) { return IsSogFolder(path); }
+
+std::optional<std::string> SplatNameOf(const fs::path& path) {
+  const std::string name = path.filename().string();
+  if (const SplatFormat* format = FindFormat(path, SplatFormats())) {
+    return name.substr(0, name.size() - format->extension.size());
+  }
+  if (FindRefused(path) != nullptr) return path.stem().string();
+  return std::nullopt;
+}
 
 GaussianPly ReadSplat(const fs::path& path, const Listener& listener, const std::vector<SplatFormat>& formats) {
   GaussianPly splat = ReadAny(path, formats);

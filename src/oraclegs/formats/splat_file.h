@@ -2,6 +2,7 @@
 // Splat files of every format, distinguished by the end of their names.
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -43,6 +44,9 @@ const SplatFormat& SplatFormatOf(const std::filesystem::path& path,
 
 /// True for a folder that is a splat: SOG whose files stand side by side.
 bool IsSplatFolder(const std::filesystem::path& path);
+
+/// The name of a splat file without the end that says its format; nullopt where the end says none, read or refused.
+std::optional<std::string> SplatNameOf(const std::filesystem::path& path);
 
 /// Reads any of these; a PLY of either kind under both of their names, and a folder of SOG, named itself or by its
 /// meta.json. Everything left out or assumed becomes a Warning. Throws InputError naming the file, UsageError for a

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/core/statistics.h"
 #include "oraclegs/gaussians/damaged_rows.h"
 #include "oraclegs/gaussians/ply_header.h"
 
@@ -19,6 +21,8 @@ constexpr int64_t kWriteGrain = 4096;          // rows a task
 constexpr int kFixedColumns = 14;              // what a reader needs besides f_rest: x y z, f_dc, opacity, scale, rot
 constexpr int kHighestDegree = 4;              // of files; what lies above kMaxShDegree is left out
 constexpr float kLogOfThickness = -6.907755f;  // of a disc, relative to its smaller radius: a thousandth
+
+constexpr char kMipFilter[] = "filter_3D";  // of Mip-Splatting, where it is not yet part of sizes and opacities
 
 /// A list of marks and its property in a file.
 struct Mark {
@@ -155,6 +159,24 @@ GaussianMarks ReadMarks(std::string_view bytes, const PlyHeader& header, const P
   return marks;
 }
 
+/// Applies the filter that Mip-Splatting stores beside each Gaussian: a standard deviation in world units that widens
+/// it, and dims it as much.
+void ApplyFilters(const std::vector<float>& filters, Gaussians* gaussians) {
+  const GaussianRows all = gaussians->Rows();
+  for (size_t i = 0; i < filters.size(); ++i) {
+    const GaussianRows g = all.From(static_cast<int64_t>(i));
+    const double added = double{filters[i]} * double{filters[i]};
+    double log_share = 0;  // of the opacity
+    for (int c = 0; c < 3; ++c) {
+      const double before = g.log_scales[c], after = 0.5 * std::log(std::exp(2 * before) + added);
+      log_share += before - after;
+      g.log_scales[c] = static_cast<float>(after);
+    }
+    const double opacity = double{Sigmoid(g.opacity_logits[0])} * std::exp(log_share);
+    g.opacity_logits[0] = static_cast<float>(std::log(opacity) - std::log1p(-opacity));
+  }
+}
+
 }  // namespace
 
 bool SaysAntialiased(const std::vector<std::string>& comments) {
@@ -241,6 +263,12 @@ GaussianPly DecodeGaussianPly(std::string_view bytes, const std::string& file) {
   ParallelBlocks(n, kWriteGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) UnpackRow(values.data() + i * columns, layout, all.From(i));
   });
+  if (element.Find(kMipFilter) >= 0) {
+    ApplyFilters(ReadPlyColumns(bytes, header, element.name, {kMipFilter}, file), &out.gaussians);
+    out.antialiased = true;
+    out.warnings.push_back(fmt::format(
+        "{}: has the 3D filter of Mip-Splatting, which is applied; the model is taken as trained antialiased", file));
+  }
   LeaveOutDamaged(file, &out.gaussians, &out.marks, &out.warnings);
   return out;
 }

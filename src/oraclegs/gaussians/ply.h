@@ -32,9 +32,10 @@ bool SaysAntialiased(const std::vector<std::string>& comments);
 
 /// Reads such a file from any trainer: properties found by name in any order, other properties and elements skipped,
 /// ascii and both binary byte orders, float or double. Harmonics of degree 4 are read to degree 3, and Gaussians of two
-/// scales (discs) get a third scale, a thousandth of the smaller one, each with a warning; rows as LeaveOutDamaged
-/// says. Throws InputError naming the file: no such element or property, a vertex count that the file cannot hold, too
-/// many damaged rows, a mark outside [0, 1].
+/// scales (discs) get a third scale, a thousandth of the smaller one, and the 3D filter of Mip-Splatting is applied
+/// and taken as a mark of antialiased training, each with a warning; rows as LeaveOutDamaged says. Throws InputError
+/// naming the file: no such element or property, a vertex count that the file cannot hold, too many damaged rows, a
+/// mark outside [0, 1].
 GaussianPly ReadGaussianPly(const std::filesystem::path& path);
 
 /// Reads a file that this program wrote. Also throws InputError for what ReadGaussianPly would leave out or assume.

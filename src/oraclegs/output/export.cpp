@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "oraclegs/core/statistics.h"
 #include "oraclegs/formats/spatial_order.h"
 #include "oraclegs/gaussians/selection.h"
+#include "oraclegs/output/format_loss.h"
 #include "oraclegs/scene/frame_comments.h"
 #include "oraclegs/workspace/non_commercial.h"
 
@@ -23,6 +25,15 @@ Eigen::Vector3d ProgramAxis(Eigen::Vector3d axis, unsigned half_turn) {
     if ((half_turn >> c & 1u) != 0) axis[c] = -axis[c];
   }
   return axis;
+}
+
+/// PSNR of what the written file shows to the model that it was made of.
+double PsnrOfFile(const ExportFiles& files, const GaussianPly& model) {
+  const SplatPromise& promise = SplatFormatOf(files.to, files.formats).promise;
+  const bool exact = promise.position == 0 && promise.color == 0 && promise.harmonic == 0 && promise.lowest_color < -1;
+  if (exact) return std::numeric_limits<double>::infinity();
+  const GaussianPly file = ReadSplat(files.to, Silent(), files.formats);
+  return PsnrFromAround(file.gaussians, model.gaussians, {.antialiased = model.antialiased});
 }
 
 }  // namespace
@@ -130,7 +141,7 @@ ExportResult ExportSplat(const ExportFiles& files, const ExportOptions& options,
   const int degree = std::min(kept.sh_degree, format.max_sh_degree);
   const int64_t written = WriteSplat(to, kept, listener, options.spz_version == kZstdSpz ? WithSpz4(formats) : formats);
   listener(FileWritten{to});
-  return {format.extension, splat.gaussians.size(), written, degree, fs::file_size(to)};
+  return {format.extension, splat.gaussians.size(), written, degree, fs::file_size(to), PsnrOfFile(files, kept)};
 }
 
 }  // namespace oraclegs

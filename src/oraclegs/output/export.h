@@ -71,6 +71,7 @@ struct ExportResult {
   int64_t before = 0, after = 0;  ///< Gaussians
   int sh_degree = 0;              ///< SH degree of the written file
   uint64_t bytes = 0;             ///< size of the written file
+  double psnr = 0;                ///< of its renders to those of the edited model (format_loss.h), dB
 };
 
 struct ExportFiles {
