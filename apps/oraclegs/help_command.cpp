@@ -1,5 +1,6 @@
 #include "command.h"
 #include "help_text.h"
+#include "oraclegs/core/text.h"
 
 namespace oraclegs {
 namespace {
