@@ -1,9 +1,8 @@
-#include <unistd.h>
-
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "command.h"
+#include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/host.h"
 #include "oraclegs/core/machine.h"
@@ -99,13 +98,20 @@ Finding NetworksLibrary() {
 }
 
 Finding Weights() {
-  std::vector<std::string> here;
-  for (const WeightsInfo& model : AllWeights()) {
-    if (LocateWeights(model.name)) here.push_back(model.name);
+  Finding finding{"weights", "", true, "the networks", "see `oraclegs models list`"};
+  try {
+    std::vector<std::string> here;
+    for (const WeightsInfo& model : AllWeights()) {
+      if (LocateWeights(model.name)) here.push_back(model.name);
+    }
+    finding.here = !here.empty();
+    finding.found = finding.here ? fmt::format("{}", fmt::join(here, ", "))
+                                 : fmt::format("none in {}", OneLine(WeightsFolder().string()));
+  } catch (const UsageError& no_folder) {  // there is no home: the rest is worth knowing all the same
+    finding.here = false;
+    finding.found = no_folder.what();
   }
-  return {"weights",
-          here.empty() ? "none in " + OneLine(WeightsFolder().string()) : fmt::format("{}", fmt::join(here, ", ")),
-          !here.empty(), "the networks", "see `oraclegs models list`"};
+  return finding;
 }
 
 Finding Mesh() {

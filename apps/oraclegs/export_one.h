@@ -1,5 +1,5 @@
 #pragma once
-// What `export` and `convert` do with one splat.
+// Export of one splat, as `export` and `convert` do it.
 
 #include <filesystem>
 #include <string>
@@ -13,7 +13,7 @@ namespace oraclegs {
 ExportResult ExportOne(const std::filesystem::path& input, const std::filesystem::path& out,
                        const ExportOptions& options, const Listener& listener);
 
-/// The line that tells of the written file.
+/// The line that reports the written file.
 std::string LineOf(const std::filesystem::path& out, const ExportResult& result);
 
 }  // namespace oraclegs

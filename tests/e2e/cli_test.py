@@ -122,9 +122,9 @@ class Help(unittest.TestCase):
             return subprocess.run(command("doctor", *arguments), env={**os.environ, **variables}, capture_output=True, text=True, check=True).stdout
 
         def found(**variables):
-            told = json.loads(doctor("--json", **variables))
-            self.assertTrue(told["program"].startswith("oraclegs "))
-            return {finding["name"]: finding for finding in told["findings"]}
+            report = json.loads(doctor("--json", **variables))
+            self.assertTrue(report["program"].startswith("oraclegs "))
+            return {finding["name"]: finding for finding in report["findings"]}
 
         here = found()
         self.assertTrue(here["colmap"]["here"])
@@ -136,6 +136,9 @@ class Help(unittest.TestCase):
             self.assertFalse(bare[name]["here"])
             self.assertEqual(bare[name]["found"], "not found")
             self.assertEqual(bare[name]["advice"], f"apt install {name}")
+        homeless = {name: value for name, value in os.environ.items() if name not in ("HOME", "ORACLEGS_MODELS")}
+        lines = subprocess.run(command("doctor"), env=homeless, capture_output=True, text=True, check=True).stdout
+        self.assertRegex(lines, r"(?m)^missing +weights .*HOME")
         self.assertRegex(doctor(PATH="/nonexistent"), r"(?m)^missing +colmap +not found$")
 
     def test_documents_name_every_preset(self):

@@ -1,5 +1,5 @@
 #pragma once
-// What this machine is made of, as the kernel of Linux tells it. `root` is where proc lies.
+// Parts of this machine, as the kernel of Linux reports them. `root` is where proc lies.
 
 #include <cstdint>
 #include <filesystem>

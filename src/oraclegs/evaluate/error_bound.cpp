@@ -13,7 +13,8 @@ namespace {
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 int ClassOf(float expected) {
-  return static_cast<int>(std::upper_bound(kClassFrom.begin(), kClassFrom.end(), expected) - kClassFrom.begin());
+  return static_cast<int>(std::upper_bound(kClassFrom.begin(), kClassFrom.end(), static_cast<double>(expected)) -
+                          kClassFrom.begin());
 }
 
 void CheckLengths(const ExpectedErrors& image) {
@@ -87,8 +88,8 @@ nlohmann::json ToJson(const ErrorBound& bound, const BoundCheck* check) {
   const auto number = [](double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(); };
   nlohmann::json classes = nlohmann::json::array();
   for (size_t c = 0; c < kCertaintyClasses; ++c) {
-    nlohmann::json row = {{"from", c == 0 ? 0 : kClassFrom[c - 1]},
-                          {"to", c + 1 == kCertaintyClasses ? 1 : kClassFrom[c]},
+    nlohmann::json row = {{"from", c == 0 ? 0.0 : kClassFrom[c - 1]},
+                          {"to", c + 1 == kCertaintyClasses ? 1.0 : kClassFrom[c]},
                           {"below", number(bound.below[c])}};
     if (check != nullptr) row["pixels"] = check->share[c], row["covered"] = number(check->covered[c]);
     classes.push_back(std::move(row));

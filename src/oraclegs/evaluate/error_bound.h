@@ -10,7 +10,7 @@ namespace oraclegs {
 
 inline constexpr int kCertaintyClasses = 3;
 /// Expected error from which on a pixel is of the next class: what is hardly seen, and what is plainly wrong.
-inline constexpr std::array<float, kCertaintyClasses - 1> kClassFrom = {0.03f, 0.1f};
+inline constexpr std::array<double, kCertaintyClasses - 1> kClassFrom = {0.03, 0.1};
 inline constexpr double kBoundShare = 0.9;  ///< of a class's pixels, whose errors stay below its bound
 
 /// Pixels of one image: their errors and those to expect (Uncertainty::At), lists of one length.

@@ -1,5 +1,5 @@
 #pragma once
-// What a file of a splat has lost, as it is seen.
+// Loss of a splat in its file, as it is seen.
 
 #include "oraclegs/gaussians/gaussians.h"
 #include "oraclegs/render/render.h"

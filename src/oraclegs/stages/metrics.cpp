@@ -13,7 +13,6 @@
 #include "oraclegs/evaluate/metrics.h"
 #include "oraclegs/evaluate/oracle_quality.h"
 #include "oraclegs/evaluate/sparsification.h"
-#include "oraclegs/image/color_error.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/scene/loaded_view.h"
@@ -62,38 +61,35 @@ struct MeasuredProposals {
     if (proposal.data.size() != truth.rgb.data.size() || trust.data.size() != truth.rgb.data.size()) {
       throw InputError("{}: is not of its view's size; delete it and run `oraclegs validate` again", image.string());
     }
-    const Buffer<float> target = ToBuffer(truth.rgb);
+    const size_t pixels = truth.rgb.data.size() / 3;
     RenderOutput drawn;
     drawn.image = ToBuffer(proposal);
     drawn.alpha = Buffer<float>::Full({truth.rgb.height, truth.rgb.width}, 1.f);
-    of_views.push_back(ErrorsOf(drawn, truth));
-    doubts.emplace_back();
-    for (const int64_t p : of_views.back().at) doubts.back().push_back(1 - trust.data[static_cast<size_t>(3 * p)]);
-    const Buffer<float> corrected = ColorCorrected(ToBuffer(proposal), target, MaskOf(truth));
-    ErrorMap of_view{truth.rgb.width, truth.rgb.height, {}, {}, {}};
+    PixelErrors found = ErrorsOf(drawn, truth);
+    if (found.at.empty()) return;
+    ErrorMap of_view{truth.rgb.width, truth.rgb.height, std::vector<float>(pixels), std::vector<float>(pixels),
+                     std::vector<bool>(pixels)};
+    std::vector<float> doubt;
     double squares = 0;
-    size_t counted = 0;
-    for (size_t i = 0; i < truth.rgb.data.size() / 3; ++i) {
-      const float error = ColorError(corrected.data() + 3 * i, target.data() + 3 * i);
-      double of_pixel = 0;
+    for (size_t k = 0; k < found.at.size(); ++k) {
+      const auto i = static_cast<size_t>(found.at[k]);
       for (size_t c = 3 * i; c < 3 * i + 3; ++c) {
         const float d = proposal.data[c] - truth.rgb.data[c];
-        of_pixel += static_cast<double>(d) * static_cast<double>(d);
+        squares += static_cast<double>(d) * static_cast<double>(d);
       }
-      of_view.error.push_back(error);
-      of_view.confidence.push_back(trust.data[3 * i]);
-      of_view.counts.push_back(truth.mask.empty() || truth.mask[i] != 0);
-      if (!of_view.counts.back()) continue;
-      errors.push_back(error);
+      of_view.error[i] = found.error[k];
+      of_view.confidence[i] = trust.data[3 * i];
+      of_view.counts[i] = true;
+      errors.push_back(found.error[k]);
       confidence.push_back(trust.data[3 * i]);
-      squares += of_pixel;
-      ++counted;
+      doubt.push_back(1 - trust.data[3 * i]);
     }
-    if (counted == 0) return;
+    psnr -= 10 * std::log10(squares / (3 * static_cast<double>(found.at.size())));
+    of_views.push_back(std::move(found));
+    doubts.push_back(std::move(doubt));
     blocks.Add(of_view);
     of_view.confidence.assign(of_view.confidence.size(), 1.f);
     uniform_blocks.Add(of_view);
-    psnr -= 10 * std::log10(squares / (3 * static_cast<double>(counted)));
     ++views;
   }
 
