@@ -210,9 +210,17 @@ class AttemptRunner {
     return record.kept;
   }
 
+  /// The mapper refines the intrinsics of all cameras or of none.
+  void FixKnownCameras(ColmapOptions* options) const {
+    if (!request_.known_cameras) return;
+    (*options)["Mapper.ba_refine_focal_length"] = "0";
+    (*options)["Mapper.ba_refine_extra_params"] = "0";
+  }
+
   void Map(const FeatureSet& set, const MapperAttempt& attempt, const ColmapRunner& colmap) {
     const fs::path models = best_.NewModelFolder();
     ColmapOptions options = attempt.options;
+    FixKnownCameras(&options);
     options["image_path"] = colmap.images().string();
     options["output_path"] = models.string();
     AttemptRecord record{set.name, attempt.name};
@@ -249,6 +257,7 @@ class AttemptRunner {
     const fs::path registered = best_.NewModelFolder(), triangulated = best_.NewModelFolder(),
                    adjusted = best_.NewModelFolder();
     ColmapOptions options = RemainingImagesOptions();
+    FixKnownCameras(&options);
     options["input_path"] = best_.candidate().model.string();
     options["output_path"] = registered.string();
     try {

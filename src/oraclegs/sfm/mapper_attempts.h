@@ -18,6 +18,7 @@ struct AttemptRequest {
   bool has_masks = false;
   std::filesystem::path work_dir;
   std::map<std::string, double> focal_priors = {};  ///< pixels, by name of the image, where EXIF says it
+  bool known_cameras = false;                       ///< focal_priors are of all images, and exact; none has distortion
   FeatureFinder find_features = {};                 ///< a network's; empty = there is none
   ConfirmedShares confirmed_shares = {};            ///< finds misplaced images; empty = nothing does
 };

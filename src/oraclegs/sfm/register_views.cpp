@@ -22,6 +22,7 @@
 #include "oraclegs/sfm/pair_evidence.h"
 #include "oraclegs/sfm/pose_doubts.h"
 #include "oraclegs/sfm/registration_report.h"
+#include "oraclegs/sfm/tie_spheres.h"
 
 namespace oraclegs {
 namespace {
@@ -40,6 +41,10 @@ Distinct FindDistinct(const Scene& photos, const nlohmann::json& inputs) {
   Distinct distinct;
   std::map<std::string, std::vector<int>> by_sum;
   for (const int v : AllViews(photos)) {
+    if (photos.views[v].sphere) {  // its sphere is placed as a whole
+      distinct.views.push_back(v);
+      continue;
+    }
     std::vector<int>& alike = by_sum[inputs.at("images").at(static_cast<size_t>(v)).at("file").dump()];
     for (const int other : alike) {
       if (ReadFile(photos.views[other].image_path) != ReadFile(photos.views[v].image_path)) continue;
@@ -131,10 +136,15 @@ RegistrationReport Register(const Scene& photos, const Distinct& distinct, const
     const double focal = photos.views[distinct.views[i]].focal_prior;
     if (focal > 0) request.focal_priors[plan[i].name] = focal;
   }
+  request.known_cameras = std::all_of(distinct.views.begin(), distinct.views.end(),
+                                      [&](int v) { return photos.views[v].sphere.has_value(); });
   AttemptResult result;
   try {
     request.has_masks = StageImages(photos, distinct.views, plan, work_dir);
     result = RunAttempts(request, listener);
+    if (IsSound(result.best) && TieSpheres(photos, distinct.views, plan, work_dir, listener)) {
+      result.best = MeasureModel(work_dir / "sparse" / "0");
+    }
   } catch (const ColmapFailure& failure) {
     throw RunError("{}; see {}", failure.Text(), (work_dir / "colmap.log").string());
   }

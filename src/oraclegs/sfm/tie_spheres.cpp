@@ -1,0 +1,208 @@
+#include "oraclegs/sfm/tie_spheres.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+
+#include "oraclegs/camera/sphere_faces.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/scene/colmap_files.h"
+#include "oraclegs/scene/read_colmap.h"
+#include "oraclegs/sfm/colmap_database.h"
+#include "oraclegs/sfm/colmap_runner.h"
+#include "oraclegs/sfm/colmap_workspace.h"
+#include "oraclegs/sfm/known_poses.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kWeiszfeldSteps = 50;
+constexpr double kLeastDistance = 1e-12;  // of a median to what it is of: weights stay finite
+
+// Thresholds of points in pixels: the poses of the first round are medians, those of the second are adjusted.
+constexpr double kRounds[] = {12, 4};
+
+/// Median of vectors: `step(x)` lists the ways from x to each of them, `add` goes one.
+template <class Value, class Ways, class Add>
+Value MedianOf(Value x, const Ways& ways, const Add& add) {
+  for (int i = 0; i < kWeiszfeldSteps; ++i) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double weights = 0;
+    for (const Eigen::Vector3d& way : ways(x)) {
+      const double weight = 1 / std::max(way.norm(), kLeastDistance);
+      sum += weight * way;
+      weights += weight;
+    }
+    x = add(x, sum / weights);
+  }
+  return x;
+}
+
+Eigen::Vector3d MedianCenter(const std::vector<Eigen::Vector3d>& centers) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& center : centers) mean += center / static_cast<double>(centers.size());
+  return MedianOf(
+      mean,
+      [&](const Eigen::Vector3d& x) {
+        std::vector<Eigen::Vector3d> ways;
+        for (const Eigen::Vector3d& center : centers) ways.push_back(center - x);
+        return ways;
+      },
+      [](const Eigen::Vector3d& x, const Eigen::Vector3d& way) { return Eigen::Vector3d(x + way); });
+}
+
+/// Ways are axes of rotations, as long as their angles.
+Eigen::Matrix3d MedianRotation(const std::vector<Eigen::Matrix3d>& rotations) {
+  const auto ways = [&](const Eigen::Matrix3d& x) {
+    std::vector<Eigen::Vector3d> to;
+    for (const Eigen::Matrix3d& rotation : rotations) {
+      const Eigen::AngleAxisd turn(Eigen::Matrix3d(x.transpose() * rotation));
+      to.push_back(turn.angle() * turn.axis());
+    }
+    return to;
+  };
+  const auto add = [](const Eigen::Matrix3d& x, const Eigen::Vector3d& way) {
+    const double angle = way.norm();
+    return angle > 0 ? Eigen::Matrix3d(x * Eigen::AngleAxisd(angle, way / angle)) : x;
+  };
+  // From the one that is nearest to all: far from the median the steps can end at another place.
+  const auto farness = [&](const Eigen::Matrix3d& x) {
+    double sum = 0;
+    for (const Eigen::Vector3d& way : ways(x)) sum += way.norm();
+    return sum;
+  };
+  const auto start = std::min_element(rotations.begin(), rotations.end(),
+                                      [&](const auto& a, const auto& b) { return farness(a) < farness(b); });
+  return MedianOf(*start, ways, add);
+}
+
+/// A face that is staged: where it lies in the database, and what it is.
+struct StagedFace {
+  std::string name;  ///< of the image below work_dir/images
+  DatabaseImage stored;
+  int face = 0;
+  Intrinsics camera;
+};
+
+/// The staged faces of each sphere, by the sphere's name.
+using StagedSpheres = std::map<std::string, std::vector<StagedFace>>;
+
+StagedSpheres FindSpheres(const Scene& photos, const std::vector<int>& views, const std::vector<StagedView>& plan,
+                          const fs::path& database) {
+  StagedSpheres spheres;
+  const auto is_face = [&](int v) { return photos.views[static_cast<size_t>(v)].sphere.has_value(); };
+  if (std::none_of(views.begin(), views.end(), is_face)) return spheres;
+  const auto stored = ReadDatabaseImages(database);
+  for (size_t i = 0; i < plan.size(); ++i) {
+    const SceneView& view = photos.views[static_cast<size_t>(views[i])];
+    const auto found = stored.find(plan[i].name);
+    if (!view.sphere || found == stored.end()) continue;
+    const int side = view.intrinsics.width;
+    const Intrinsics camera{CameraModel::kSimpleRadial, side, side, {view.focal_prior, side / 2.0, side / 2.0, 0}};
+    spheres[view.sphere->name].push_back({plan[i].name, found->second, view.sphere->face, camera});
+  }
+  return spheres;
+}
+
+/// A model of poses alone, by the poses in `model`: those of faces are tied.
+void WriteTiedPoses(const StagedSpheres& spheres, const fs::path& model, const fs::path& database, const fs::path& to) {
+  ColmapCameras cameras = ReadColmapCameras(model);
+  std::map<std::string, ColmapImage> images;
+  for (ColmapImage& image : ReadColmapImages(model)) images[image.name] = std::move(image);
+  for (const auto& [name, faces] : spheres) {
+    std::vector<FoundFace> found;
+    for (const StagedFace& face : faces) {
+      const auto image = images.find(face.name);
+      if (image == images.end()) continue;
+      found.push_back({SphereFaces()[static_cast<size_t>(face.face)].face_from_sphere, image->second.cam_from_world});
+    }
+    if (found.empty()) continue;
+    const Eigen::Isometry3d sphere = SpherePose(found);
+    for (const StagedFace& face : faces) {
+      const Eigen::Isometry3d turn(SphereFaces()[static_cast<size_t>(face.face)].face_from_sphere);
+      cameras[face.stored.camera_id] = face.camera;
+      images[face.name] = {face.stored.image_id, face.name, face.stored.camera_id, turn * sphere};
+    }
+  }
+  SetDatabaseCameras(database, cameras);
+  std::vector<ColmapImage> list;
+  for (auto& [name, image] : images) list.push_back(std::move(image));
+  WriteColmapText(to, cameras, list);
+}
+
+/// The file that tells rig_bundle_adjuster of the cameras' turns; the faces of a sphere have one name behind
+/// "cameraN/".
+void WriteRigs(const StagedSpheres& spheres, const fs::path& file) {
+  std::map<uint32_t, const StagedFace*> cameras;
+  for (const auto& [name, faces] : spheres) {
+    for (const StagedFace& face : faces) cameras.emplace(face.stored.camera_id, &face);
+  }
+  // Spheres of one size have one set of six cameras.
+  std::map<int, nlohmann::json> rigs;
+  for (const auto& [id, face] : cameras) {
+    const Eigen::Quaterniond turn(SphereFaces()[static_cast<size_t>(face->face)].face_from_sphere);
+    nlohmann::json& rig = rigs[face->camera.width];
+    if (face->face == 0) rig["ref_camera_id"] = id;
+    rig["cameras"].push_back({{"camera_id", id},
+                              {"image_prefix", face->name.substr(0, face->name.find('/') + 1)},
+                              {"rel_qvec", {turn.w(), turn.x(), turn.y(), turn.z()}},
+                              {"rel_tvec", {0.0, 0.0, 0.0}}});
+  }
+  nlohmann::json list = nlohmann::json::array();
+  for (auto& [side, rig] : rigs) list.push_back(std::move(rig));
+  WriteFileAtomically(file, list.dump(1) + "\n");
+}
+
+}  // namespace
+
+Eigen::Isometry3d SpherePose(const std::vector<FoundFace>& faces) {
+  std::vector<Eigen::Vector3d> centers;
+  std::vector<Eigen::Matrix3d> rotations;
+  for (const FoundFace& face : faces) {
+    const Eigen::Isometry3d sphere = Eigen::Isometry3d(face.face_from_sphere.transpose()) * face.cam_from_world;
+    rotations.emplace_back(sphere.linear());
+    centers.emplace_back(-(sphere.linear().transpose() * sphere.translation()));
+  }
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = Eigen::Quaterniond(MedianRotation(rotations)).normalized().toRotationMatrix();
+  pose.translation() = -(pose.linear() * MedianCenter(centers));
+  return pose;
+}
+
+bool TieSpheres(const Scene& photos, const std::vector<int>& views, const std::vector<StagedView>& plan,
+                const fs::path& work_dir, const Listener& listener) {
+  const ColmapRunner colmap(work_dir, listener, "register");
+  const StagedSpheres spheres = FindSpheres(photos, views, plan, colmap.database());
+  if (spheres.empty()) return false;
+  const fs::path folder = AttemptsFolder(work_dir), kept = work_dir / "sparse" / "0", rigs = folder / "rigs.json";
+  MakeFolder(folder);
+  WriteRigs(spheres, rigs);
+  fs::path model = kept;
+  bool has_rigs = true;
+  for (size_t round = 0; round < std::size(kRounds); ++round) {
+    const fs::path poses = folder / fmt::format("tied{}", round), points = folder / fmt::format("points{}", round),
+                   adjusted = folder / fmt::format("adjusted{}", round);
+    for (const fs::path& made : {poses, points, adjusted}) MakeFolder(made);
+    WriteTiedPoses(spheres, model, colmap.database(), poses);
+    TriangulateAtPoses(colmap, poses, points, {{"Mapper.filter_max_reproj_error", fmt::format("{}", kRounds[round])}});
+    model = points;
+    try {
+      if (has_rigs) colmap.AdjustRigs(points, rigs, adjusted);
+      if (has_rigs && IsColmapModel(adjusted)) model = adjusted;
+    } catch (const ColmapFailure&) {  // newer versions have another command
+      has_rigs = false;
+    }
+  }
+  MoveTo(model, kept);
+  RemoveAttempts(work_dir);
+  return true;
+}
+
+}  // namespace oraclegs
