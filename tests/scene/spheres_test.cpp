@@ -90,8 +90,8 @@ TEST_F(SpheresTest, GiveWayToSixViews) {
   EXPECT_EQ(down.intrinsics.width, FaceIntrinsics(200).width);
   EXPECT_TRUE(down.intrinsics.params.empty());
   EXPECT_FALSE(scene_.views[0].sphere);
-  EXPECT_EQ(std::count_if(scene_.views.begin(), scene_.views.end(), [](const SceneView& v) { return v.gps.has_value(); }),
-            1);
+  EXPECT_EQ(
+      std::count_if(scene_.views.begin(), scene_.views.end(), [](const SceneView& v) { return v.gps.has_value(); }), 1);
   EXPECT_THAT(events_.notes, ElementsAre(HasSubstr("1 spherical photo is cut into 6 views each, 100 x 100 degrees")));
 }
 

@@ -102,18 +102,20 @@ TEST(TieSpheres, AllFacesOfASphereShareItsCenter) {
   const std::vector<Eigen::Vector3d> centers{{-.9, .1, 0}, {-.3, -.2, .5}, {.3, .1, -.3}, {.9, 0, .2}};
   Scene scene;
   scene.root = dir.path();
-  constexpr int kWidth = 640;
+  constexpr int kWidth = 480;
+  std::vector<Image8> photos;
   for (size_t i = 0; i < centers.size(); ++i) {
     SceneView view;
     view.name = std::to_string(i) + ".png";
     view.image_path = dir / view.name;
     view.is_sphere = true;
-    WritePng(view.image_path, PhotoFrom(centers[i], kWidth));
+    photos.push_back(PhotoFrom(centers[i], kWidth));
+    WritePng(view.image_path, photos.back());
     scene.views.push_back(std::move(view));
   }
   TakeFaces(dir / "faces", Silent(), &scene);
   for (const SceneView& view : scene.views) {
-    const Image8 photo = PhotoFrom(centers[static_cast<size_t>(std::stoi(view.sphere->name))], kWidth);
+    const Image8& photo = photos[static_cast<size_t>(std::stoi(view.sphere->name))];
     std::filesystem::create_directories(view.image_path.parent_path());
     WritePng(view.image_path, CutFace(photo, SphereFaces()[static_cast<size_t>(view.sphere->face)].face_from_sphere,
                                       FaceIntrinsics(kWidth), SphereFilter::kBicubic));

@@ -32,7 +32,8 @@ class SpherePixels {
     const bool beyond = y < 0 || y >= image_.height;
     if (beyond) x += image_.width / 2;
     y = std::clamp(y < 0 ? -1 - y : (beyond ? 2 * image_.height - 1 - y : y), 0, image_.height - 1);
-    x = (x % image_.width + image_.width) % image_.width;
+    while (x < 0) x += image_.width;  // once at most, and cheaper than a division
+    while (x >= image_.width) x -= image_.width;
     const size_t at = static_cast<size_t>(y) * static_cast<size_t>(image_.width) + static_cast<size_t>(x);
     return image_.data.data() + at * static_cast<size_t>(image_.channels);
   }

@@ -73,9 +73,9 @@ json Describe(const std::vector<std::vector<const SceneView*>>& spheres) {
 
 bool IsCut(const fs::path& dir, const json& wanted, const std::vector<std::vector<const SceneView*>>& spheres) {
   std::error_code error;
-  if (!fs::is_regular_file(dir / kFacesFile, error) || ParseJsonOrDiscard(ReadFile(dir / kFacesFile)) != wanted) {
-    return false;
-  }
+  if (!fs::is_regular_file(dir / kFacesFile, error)) return false;
+  const json found = ParseJsonOrDiscard(ReadFile(dir / kFacesFile));
+  if (!found.is_object() || found != wanted) return false;
   for (const auto& views : spheres) {
     for (const SceneView* view : views) {
       if (!IsFile(view->image_path) || (!view->mask_path.empty() && !IsFile(view->mask_path))) return false;

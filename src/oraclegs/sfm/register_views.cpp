@@ -135,9 +135,11 @@ RegistrationReport Register(const Scene& photos, const Distinct& distinct, const
     request.names.push_back(plan[i].name);
     const double focal = photos.views[distinct.views[i]].focal_prior;
     if (focal > 0) request.focal_priors[plan[i].name] = focal;
+    if (photos.views[distinct.views[i]].sphere) {
+      request.spheres[plan[i].name] = photos.views[distinct.views[i]].sphere->name;
+    }
   }
-  request.known_cameras = std::all_of(distinct.views.begin(), distinct.views.end(),
-                                      [&](int v) { return photos.views[v].sphere.has_value(); });
+  request.known_cameras = request.spheres.size() == plan.size();
   AttemptResult result;
   try {
     request.has_masks = StageImages(photos, distinct.views, plan, work_dir);
@@ -157,6 +159,10 @@ RegistrationReport Register(const Scene& photos, const Distinct& distinct, const
   }
   result.best.images = std::move(by_view_name);
   RegistrationReport report = MakeReport(GatherEvidence(photos, distinct, plan, work_dir), result);
+  for (size_t v = 0; v < report.views.size(); ++v) {  // plain sky needs no other photo of it
+    ViewReport& view = report.views[v];
+    if (photos.views[v].sphere && view.status == ViewStatus::kRegistered) view.advice.clear();
+  }
   if (report.registered() >= 2) {
     for (std::string& doubt : GatherDoubts(photos, distinct, plan, work_dir)) {
       report.warnings.push_back(std::move(doubt));

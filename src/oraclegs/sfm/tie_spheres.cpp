@@ -6,6 +6,7 @@
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -111,8 +112,11 @@ StagedSpheres FindSpheres(const Scene& photos, const std::vector<int>& views, co
   return spheres;
 }
 
-/// A model of poses alone, by the poses in `model`: those of faces are tied.
-void WriteTiedPoses(const StagedSpheres& spheres, const fs::path& model, const fs::path& database, const fs::path& to) {
+using CameraIds = std::set<uint32_t>;
+
+/// A model of poses alone, by the poses in `model`: those of faces are tied, and those of some cameras left out.
+void WriteTiedPoses(const StagedSpheres& spheres, const fs::path& model, const CameraIds& left_out,
+                    const fs::path& to) {
   ColmapCameras cameras = ReadColmapCameras(model);
   std::map<std::string, ColmapImage> images;
   for (ColmapImage& image : ReadColmapImages(model)) images[image.name] = std::move(image);
@@ -131,25 +135,48 @@ void WriteTiedPoses(const StagedSpheres& spheres, const fs::path& model, const f
       images[face.name] = {face.stored.image_id, face.name, face.stored.camera_id, turn * sphere};
     }
   }
-  SetDatabaseCameras(database, cameras);
   std::vector<ColmapImage> list;
-  for (auto& [name, image] : images) list.push_back(std::move(image));
+  for (auto& [name, image] : images) {
+    if (left_out.count(image.camera_id) == 0) list.push_back(std::move(image));
+  }
   WriteColmapText(to, cameras, list);
 }
 
-/// The file that tells rig_bundle_adjuster of the cameras' turns; the faces of a sphere have one name behind
+/// Cameras of faces that saw no point, as where all of them show sky: rig_bundle_adjuster of COLMAP 3.8 crashes of
+/// them.
+CameraIds BlindCameras(const StagedSpheres& spheres, const fs::path& model) {
+  std::set<uint32_t> seeing;
+  for (const ColmapPoint& point : ReadColmapPoints(model))
+    seeing.insert(point.image_ids.begin(), point.image_ids.end());
+  CameraIds blind;
+  for (const auto& [name, faces] : spheres) {
+    for (const StagedFace& face : faces) blind.insert(face.stored.camera_id);
+  }
+  for (const auto& [name, faces] : spheres) {
+    for (const StagedFace& face : faces) {
+      if (seeing.count(face.stored.image_id) > 0) blind.erase(face.stored.camera_id);
+    }
+  }
+  return blind;
+}
+
+/// Writes the file that tells rig_bundle_adjuster of the cameras' turns; the faces of a sphere have one name behind
 /// "cameraN/".
-void WriteRigs(const StagedSpheres& spheres, const fs::path& file) {
+void WriteRigs(const StagedSpheres& spheres, const CameraIds& left_out, const fs::path& file) {
   std::map<uint32_t, const StagedFace*> cameras;
   for (const auto& [name, faces] : spheres) {
-    for (const StagedFace& face : faces) cameras.emplace(face.stored.camera_id, &face);
+    for (const StagedFace& face : faces) {
+      if (left_out.count(face.stored.camera_id) == 0) cameras.emplace(face.stored.camera_id, &face);
+    }
   }
   // Spheres of one size have one set of six cameras.
   std::map<int, nlohmann::json> rigs;
+  std::map<int, Eigen::Matrix3d> references;  // the turn of each rig's first camera
   for (const auto& [id, face] : cameras) {
-    const Eigen::Quaterniond turn(SphereFaces()[static_cast<size_t>(face->face)].face_from_sphere);
+    const Eigen::Matrix3d& face_from_sphere = SphereFaces()[static_cast<size_t>(face->face)].face_from_sphere;
     nlohmann::json& rig = rigs[face->camera.width];
-    if (face->face == 0) rig["ref_camera_id"] = id;
+    if (references.emplace(face->camera.width, face_from_sphere).second) rig["ref_camera_id"] = id;
+    const Eigen::Quaterniond turn(Eigen::Matrix3d(face_from_sphere * references[face->camera.width].transpose()));
     rig["cameras"].push_back({{"camera_id", id},
                               {"image_prefix", face->name.substr(0, face->name.find('/') + 1)},
                               {"rel_qvec", {turn.w(), turn.x(), turn.y(), turn.z()}},
@@ -182,25 +209,36 @@ bool TieSpheres(const Scene& photos, const std::vector<int>& views, const std::v
   const StagedSpheres spheres = FindSpheres(photos, views, plan, colmap.database());
   if (spheres.empty()) return false;
   const fs::path folder = AttemptsFolder(work_dir), kept = work_dir / "sparse" / "0", rigs = folder / "rigs.json";
-  MakeFolder(folder);
-  WriteRigs(spheres, rigs);
+  int made = 0;
+  const auto make_folder = [&] {
+    fs::path next = folder / fmt::format("tied{}", made++);
+    MakeFolder(next);
+    return next;
+  };
+  // A model with points by the poses of another one.
+  const auto triangulate = [&](const fs::path& model, double max_error, const CameraIds& left_out) {
+    const fs::path poses = make_folder();
+    fs::path points = make_folder();
+    WriteTiedPoses(spheres, model, left_out, poses);
+    SetDatabaseCameras(colmap.database(), ReadColmapCameras(poses));
+    TriangulateAtPoses(colmap, poses, points, {{"Mapper.filter_max_reproj_error", fmt::format("{}", max_error)}});
+    return points;
+  };
   fs::path model = kept;
-  bool has_rigs = true;
-  for (size_t round = 0; round < std::size(kRounds); ++round) {
-    const fs::path poses = folder / fmt::format("tied{}", round), points = folder / fmt::format("points{}", round),
-                   adjusted = folder / fmt::format("adjusted{}", round);
-    for (const fs::path& made : {poses, points, adjusted}) MakeFolder(made);
-    WriteTiedPoses(spheres, model, colmap.database(), poses);
-    TriangulateAtPoses(colmap, poses, points, {{"Mapper.filter_max_reproj_error", fmt::format("{}", kRounds[round])}});
-    model = points;
+  for (const double max_error : kRounds) {
+    fs::path points = triangulate(model, max_error, {});
+    const CameraIds blind = BlindCameras(spheres, points);
+    if (!blind.empty()) points = triangulate(model, max_error, blind);
+    WriteRigs(spheres, blind, rigs);
+    const fs::path adjusted = make_folder();
     try {
-      if (has_rigs) colmap.AdjustRigs(points, rigs, adjusted);
-      if (has_rigs && IsColmapModel(adjusted)) model = adjusted;
+      colmap.AdjustRigs(points, rigs, adjusted);
     } catch (const ColmapFailure&) {  // newer versions have another command
-      has_rigs = false;
     }
+    if (!IsColmapModel(adjusted)) break;
+    model = adjusted;
   }
-  MoveTo(model, kept);
+  MoveTo(triangulate(model, kRounds[1], {}), kept);
   RemoveAttempts(work_dir);
   return true;
 }
