@@ -67,7 +67,7 @@ class Spheres(EndToEnd):
 class PhotosOfSpheres(EndToEnd):
     def test_poses_are_found_and_tied(self):
         scene, photos, out = self.dir / "large", self.dir / "photos", self.dir / "out"
-        size = ["--kind", "spheres", "--demo-views", 8, "--width", 640, "--samples", 1]
+        size = ["--kind", "spheres", "--demo-views", 16, "--width", 640, "--samples", 2]
         self.run_program("demo-scene", scene, "--quiet", *size)
         photos.mkdir()
         frames = json.loads((scene / "transforms.json").read_text())["frames"][:4]

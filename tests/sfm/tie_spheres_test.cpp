@@ -66,6 +66,18 @@ TEST(SpherePose, IsHardlyMovedByAFaceFarOff) {
   EXPECT_LT(DegreesBetween(after, sphere), 1.5);
 }
 
+TEST(SpherePose, BelievesTheFaceThatSawMore) {
+  const Eigen::Isometry3d sphere = Pose({.3, -1.2, 2}, {4, 5, -6});
+  auto faces = FacesOf(sphere, 0);
+  faces.resize(2);
+  faces[0].weight = 20;
+  faces[0].cam_from_world = Pose({2, 1, 0}, {90, 80, 70});
+  faces[1].weight = 300;
+  const Eigen::Isometry3d pose = SpherePose(faces);
+  EXPECT_LT((CenterOf(pose) - Eigen::Vector3d(4, 5, -6)).norm(), 1e-3);
+  EXPECT_LT(DegreesBetween(pose, sphere), 1e-2);
+}
+
 constexpr double kRoomHalf = 4;
 
 /// The gray of a ray from inside a room of noise: a cube around the origin.

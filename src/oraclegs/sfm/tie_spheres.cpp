@@ -6,18 +6,21 @@
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <set>
 #include <string>
 #include <utility>
 
 #include "oraclegs/camera/sphere_faces.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/statistics.h"
 #include "oraclegs/scene/colmap_files.h"
 #include "oraclegs/scene/read_colmap.h"
 #include "oraclegs/sfm/colmap_database.h"
 #include "oraclegs/sfm/colmap_runner.h"
 #include "oraclegs/sfm/colmap_workspace.h"
 #include "oraclegs/sfm/known_poses.h"
+#include "oraclegs/sfm/retry_schedule.h"
 
 namespace oraclegs {
 namespace {
@@ -29,16 +32,20 @@ constexpr double kLeastDistance = 1e-12;  // of a median to what it is of: weigh
 
 // Thresholds of points in pixels: the poses of the first round are medians, those of the second are adjusted.
 constexpr double kRounds[] = {12, 4};
+constexpr double kWeakShare = .1;  // of the points that spheres usually see
 
-/// Median of vectors: `step(x)` lists the ways from x to each of them, `add` goes one.
+using Weights = std::vector<double>;
+
+/// Weighted median: `ways(x)` lists the ways from x to each value, `add` goes one.
 template <class Value, class Ways, class Add>
-Value MedianOf(Value x, const Ways& ways, const Add& add) {
+Value MedianOf(Value x, const Weights& of, const Ways& ways, const Add& add) {
   for (int i = 0; i < kWeiszfeldSteps; ++i) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     double weights = 0;
-    for (const Eigen::Vector3d& way : ways(x)) {
-      const double weight = 1 / std::max(way.norm(), kLeastDistance);
-      sum += weight * way;
+    const std::vector<Eigen::Vector3d> to = ways(x);
+    for (size_t k = 0; k < to.size(); ++k) {
+      const double weight = of[k] / std::max(to[k].norm(), kLeastDistance);
+      sum += weight * to[k];
       weights += weight;
     }
     x = add(x, sum / weights);
@@ -46,11 +53,11 @@ Value MedianOf(Value x, const Ways& ways, const Add& add) {
   return x;
 }
 
-Eigen::Vector3d MedianCenter(const std::vector<Eigen::Vector3d>& centers) {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& center : centers) mean += center / static_cast<double>(centers.size());
+Eigen::Vector3d MedianCenter(const std::vector<Eigen::Vector3d>& centers, const Weights& weights) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (size_t i = 0; i < centers.size(); ++i) sum += weights[i] * centers[i];
   return MedianOf(
-      mean,
+      Eigen::Vector3d(sum / std::accumulate(weights.begin(), weights.end(), 0.)), weights,
       [&](const Eigen::Vector3d& x) {
         std::vector<Eigen::Vector3d> ways;
         for (const Eigen::Vector3d& center : centers) ways.push_back(center - x);
@@ -60,7 +67,7 @@ Eigen::Vector3d MedianCenter(const std::vector<Eigen::Vector3d>& centers) {
 }
 
 /// Ways are axes of rotations, as long as their angles.
-Eigen::Matrix3d MedianRotation(const std::vector<Eigen::Matrix3d>& rotations) {
+Eigen::Matrix3d MedianRotation(const std::vector<Eigen::Matrix3d>& rotations, const Weights& weights) {
   const auto ways = [&](const Eigen::Matrix3d& x) {
     std::vector<Eigen::Vector3d> to;
     for (const Eigen::Matrix3d& rotation : rotations) {
@@ -75,13 +82,14 @@ Eigen::Matrix3d MedianRotation(const std::vector<Eigen::Matrix3d>& rotations) {
   };
   // From the one that is nearest to all: far from the median the steps can end at another place.
   const auto farness = [&](const Eigen::Matrix3d& x) {
+    const std::vector<Eigen::Vector3d> to = ways(x);
     double sum = 0;
-    for (const Eigen::Vector3d& way : ways(x)) sum += way.norm();
+    for (size_t k = 0; k < to.size(); ++k) sum += weights[k] * to[k].norm();
     return sum;
   };
   const auto start = std::min_element(rotations.begin(), rotations.end(),
                                       [&](const auto& a, const auto& b) { return farness(a) < farness(b); });
-  return MedianOf(*start, ways, add);
+  return MedianOf(*start, weights, ways, add);
 }
 
 /// A face that is staged: where it lies in the database, and what it is.
@@ -112,20 +120,30 @@ StagedSpheres FindSpheres(const Scene& photos, const std::vector<int>& views, co
   return spheres;
 }
 
-using CameraIds = std::set<uint32_t>;
+using ImageIds = std::set<uint32_t>;
 
-/// A model of poses alone, by the poses in `model`: those of faces are tied, and those of some cameras left out.
-void WriteTiedPoses(const StagedSpheres& spheres, const fs::path& model, const CameraIds& left_out,
-                    const fs::path& to) {
+/// How many points each image of a model saw, by its id.
+std::map<uint32_t, double> PointsOfImages(const fs::path& model) {
+  std::map<uint32_t, double> points;
+  for (const ColmapPoint& point : ReadColmapPoints(model)) {
+    for (const uint32_t image : point.image_ids) ++points[image];
+  }
+  return points;
+}
+
+/// A model of poses alone, by those in `model`: those of faces are tied. Without the images of `left_out`.
+void WriteTiedPoses(const StagedSpheres& spheres, const fs::path& model, const ImageIds& left_out, const fs::path& to) {
   ColmapCameras cameras = ReadColmapCameras(model);
   std::map<std::string, ColmapImage> images;
   for (ColmapImage& image : ReadColmapImages(model)) images[image.name] = std::move(image);
+  std::map<uint32_t, double> points = PointsOfImages(model);
   for (const auto& [name, faces] : spheres) {
     std::vector<FoundFace> found;
     for (const StagedFace& face : faces) {
       const auto image = images.find(face.name);
       if (image == images.end()) continue;
-      found.push_back({SphereFaces()[static_cast<size_t>(face.face)].face_from_sphere, image->second.cam_from_world});
+      found.push_back({SphereFaces()[static_cast<size_t>(face.face)].face_from_sphere, image->second.cam_from_world,
+                       std::max(1., points[face.stored.image_id])});
     }
     if (found.empty()) continue;
     const Eigen::Isometry3d sphere = SpherePose(found);
@@ -137,36 +155,52 @@ void WriteTiedPoses(const StagedSpheres& spheres, const fs::path& model, const C
   }
   std::vector<ColmapImage> list;
   for (auto& [name, image] : images) {
-    if (left_out.count(image.camera_id) == 0) list.push_back(std::move(image));
+    if (left_out.count(image.id) == 0) list.push_back(std::move(image));
   }
   WriteColmapText(to, cameras, list);
 }
 
-/// Cameras of faces that saw no point, as where all of them show sky: rig_bundle_adjuster of COLMAP 3.8 crashes of
-/// them.
-CameraIds BlindCameras(const StagedSpheres& spheres, const fs::path& model) {
-  std::set<uint32_t> seeing;
-  for (const ColmapPoint& point : ReadColmapPoints(model))
-    seeing.insert(point.image_ids.begin(), point.image_ids.end());
-  CameraIds blind;
+/// Faces of a direction in which no sphere saw a point, as where all of them show sky: rig_bundle_adjuster of COLMAP
+/// 3.8 crashes of them.
+ImageIds BlindFaces(const StagedSpheres& spheres, const fs::path& model) {
+  std::map<uint32_t, double> points = PointsOfImages(model), of_camera;
   for (const auto& [name, faces] : spheres) {
-    for (const StagedFace& face : faces) blind.insert(face.stored.camera_id);
+    for (const StagedFace& face : faces) of_camera[face.stored.camera_id] += points[face.stored.image_id];
   }
+  ImageIds blind;
   for (const auto& [name, faces] : spheres) {
     for (const StagedFace& face : faces) {
-      if (seeing.count(face.stored.image_id) > 0) blind.erase(face.stored.camera_id);
+      if (of_camera[face.stored.camera_id] == 0) blind.insert(face.stored.image_id);
     }
   }
   return blind;
 }
 
+/// Faces of spheres that are not registered, or saw so few points that they are misplaced.
+ImageIds FacesOfWeakSpheres(const StagedSpheres& spheres, const fs::path& model) {
+  std::map<uint32_t, double> points = PointsOfImages(model);
+  std::map<std::string, double> of_sphere;
+  for (const auto& [name, faces] : spheres) {
+    for (const StagedFace& face : faces) of_sphere[name] += points[face.stored.image_id];
+  }
+  std::vector<double> counts;
+  for (const auto& [name, count] : of_sphere) counts.push_back(count);
+  const double usual = UpperMedian(counts);
+  ImageIds weak;
+  for (const auto& [name, faces] : spheres) {
+    if (of_sphere[name] >= kWeakShare * usual) continue;
+    for (const StagedFace& face : faces) weak.insert(face.stored.image_id);
+  }
+  return weak;
+}
+
 /// Writes the file that tells rig_bundle_adjuster of the cameras' turns; the faces of a sphere have one name behind
 /// "cameraN/".
-void WriteRigs(const StagedSpheres& spheres, const CameraIds& left_out, const fs::path& file) {
+void WriteRigs(const StagedSpheres& spheres, const ImageIds& left_out, const fs::path& file) {
   std::map<uint32_t, const StagedFace*> cameras;
   for (const auto& [name, faces] : spheres) {
     for (const StagedFace& face : faces) {
-      if (left_out.count(face.stored.camera_id) == 0) cameras.emplace(face.stored.camera_id, &face);
+      if (left_out.count(face.stored.image_id) == 0) cameras.emplace(face.stored.camera_id, &face);
     }
   }
   // Spheres of one size have one set of six cameras.
@@ -192,14 +226,16 @@ void WriteRigs(const StagedSpheres& spheres, const CameraIds& left_out, const fs
 Eigen::Isometry3d SpherePose(const std::vector<FoundFace>& faces) {
   std::vector<Eigen::Vector3d> centers;
   std::vector<Eigen::Matrix3d> rotations;
+  Weights weights;
   for (const FoundFace& face : faces) {
     const Eigen::Isometry3d sphere = Eigen::Isometry3d(face.face_from_sphere.transpose()) * face.cam_from_world;
     rotations.emplace_back(sphere.linear());
+    weights.push_back(face.weight);
     centers.emplace_back(-(sphere.linear().transpose() * sphere.translation()));
   }
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = Eigen::Quaterniond(MedianRotation(rotations)).normalized().toRotationMatrix();
-  pose.translation() = -(pose.linear() * MedianCenter(centers));
+  pose.linear() = Eigen::Quaterniond(MedianRotation(rotations, weights)).normalized().toRotationMatrix();
+  pose.translation() = -(pose.linear() * MedianCenter(centers, weights));
   return pose;
 }
 
@@ -216,7 +252,7 @@ bool TieSpheres(const Scene& photos, const std::vector<int>& views, const std::v
     return next;
   };
   // A model with points by the poses of another one.
-  const auto triangulate = [&](const fs::path& model, double max_error, const CameraIds& left_out) {
+  const auto triangulate = [&](const fs::path& model, double max_error, const ImageIds& left_out) {
     const fs::path poses = make_folder();
     fs::path points = make_folder();
     WriteTiedPoses(spheres, model, left_out, poses);
@@ -224,10 +260,24 @@ bool TieSpheres(const Scene& photos, const std::vector<int>& views, const std::v
     TriangulateAtPoses(colmap, poses, points, {{"Mapper.filter_max_reproj_error", fmt::format("{}", max_error)}});
     return points;
   };
+  // The model, and the faces that it lacks where its points place them.
+  const auto register_missing = [&](const fs::path& model) {
+    fs::path registered = make_folder();
+    ColmapOptions options = RemainingImagesOptions();
+    options["input_path"] = model.string();
+    options["output_path"] = registered.string();
+    options["Mapper.ba_refine_focal_length"] = options["Mapper.ba_refine_extra_params"] = "0";
+    colmap.Run("image_registrator", options, "placing spheres again");
+    return IsColmapModel(registered) ? registered : model;
+  };
   fs::path model = kept;
   for (const double max_error : kRounds) {
     fs::path points = triangulate(model, max_error, {});
-    const CameraIds blind = BlindCameras(spheres, points);
+    if (const ImageIds weak = FacesOfWeakSpheres(spheres, points); !weak.empty()) {
+      model = register_missing(triangulate(model, max_error, weak));
+      points = triangulate(model, max_error, {});
+    }
+    const ImageIds blind = BlindFaces(spheres, points);
     if (!blind.empty()) points = triangulate(model, max_error, blind);
     WriteRigs(spheres, blind, rigs);
     const fs::path adjusted = make_folder();
@@ -238,7 +288,9 @@ bool TieSpheres(const Scene& photos, const std::vector<int>& views, const std::v
     if (!IsColmapModel(adjusted)) break;
     model = adjusted;
   }
-  MoveTo(triangulate(model, kRounds[1], {}), kept);
+  fs::path tied = triangulate(model, kRounds[1], {});
+  const ImageIds weak = FacesOfWeakSpheres(spheres, tied);
+  MoveTo(weak.empty() ? tied : triangulate(model, kRounds[1], weak), kept);
   RemoveAttempts(work_dir);
   return true;
 }
