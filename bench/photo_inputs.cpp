@@ -10,6 +10,7 @@
 #include "oraclegs/formats/zip_archive.h"
 #include "oraclegs/image/codecs.h"
 #include "oraclegs/image/exif.h"
+#include "oraclegs/image/gpano.h"
 #include "oraclegs/image/read_image.h"
 #include "weights/checkpoint/torch_bytes.h"
 
@@ -102,6 +103,9 @@ std::vector<ParserInput> PhotoInputs() {
                 Repeated(bytes, [each](size_t i) { return Directory(20, 8 + (i + 1) * each, 0x100); });
        },
        exif},
+      {"gpano", "many names",
+       [](size_t bytes) { return Repeated(bytes, [](size_t) { return std::string("GPano:ProjectionType=\""); }); },
+       [](const std::string& file) { ReadProjection(file); }},
       {"jpeg", "many segments",
        [](size_t bytes) {
          return "\xff\xd8" + Repeated(bytes, [](size_t) { return std::string("\xff\xe1\0\2", 4); }) + "\xff\xd9";

@@ -111,6 +111,13 @@ TEST_F(PhotoChecksTest, KnowsSphericalImagesByTheirMetadata) {
   WriteText(dir_ / "a.jpg", jpeg.substr(0, 2) + "\xFF\xE1" + static_cast<char>(length >> 8) +
                                 static_cast<char>(length & 255) + xmp + jpeg.substr(2));
   EXPECT_TRUE(ReadSigns(dir_ / "a.jpg").is_panorama);
+  photos_.push_back({"a.jpg", dir_ / "a.jpg"});
+  Add("flat.jpg", Blocks(480, 240, 1000003u));
+  Add("photo.jpg", Blocks(320, 240, 2000006u));
+  EXPECT_THAT(Check(), ElementsAre(HasSubstr("a.jpg: is a panorama but no whole sphere"),
+                                   HasSubstr("flat.jpg: may be a spherical photo")));
+  for (CheckedPhoto& photo : photos_) photo.is_sphere = true;
+  EXPECT_THAT(Check(), IsEmpty()) << "they are used as spheres";
 }
 
 TEST_F(PhotoChecksTest, LeavesOutWhatCannotBeDecoded) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -81,6 +82,32 @@ INSTANTIATE_TEST_SUITE_P(All, EachDemoKind,
                          testing::Values(DemoKind::kRoom, DemoKind::kObject, DemoKind::kWalls, DemoKind::kForward,
                                          DemoKind::kThin, DemoKind::kOutdoor),
                          [](const auto& info) { return Word(info.param); });
+
+TEST(DemoCamera, OfSpheresSeesAllAroundWhatPinholesSee) {
+  constexpr int kAround = 720;
+  constexpr double kPi = 3.14159265358979323846;
+  const RayScene world = DemoWorld(DemoKind::kSpheres);
+  const RayCamera sphere = DemoCamera(DemoKind::kSpheres, 3, 8, kAround, kAround / 2);
+  const RayTracedView around = TraceView(world, sphere, 1, 0);
+  EXPECT_EQ(std::count(around.depth.begin(), around.depth.end(), 0), 0) << "the room has walls everywhere";
+  for (const auto& [right, down, forward] :
+       {std::array{sphere.right, sphere.down, sphere.forward}, std::array{-sphere.forward, sphere.down, sphere.right},
+        std::array{sphere.right, sphere.forward, -sphere.down}}) {
+    const RayCamera flat{40, 40, 20, sphere.center, right, down, forward};
+    const RayTracedView view = TraceView(world, flat, 1, 0);
+    int agree = 0;
+    for (int i = 0; i < 1600; ++i) {
+      const double x = (i % 40 + .5 - 20) / 20, y = (i / 40 + .5 - 20) / 20;
+      const Vec3 ray = x * right + y * down + forward;
+      const double longitude = std::atan2(Dot(ray, sphere.right), Dot(ray, sphere.forward)),
+                   latitude = std::asin(Dot(ray, sphere.down) / Length(ray));
+      const auto u = static_cast<int>((longitude / (2 * kPi) + .5) * kAround) % kAround;
+      const auto v = std::min(static_cast<int>((latitude / kPi + .5) * kAround / 2), kAround / 2 - 1);
+      agree += std::abs(view.depth[i] * Length(ray) / around.depth[v * kAround + u] - 1) < .02;
+    }
+    EXPECT_GT(agree, 1500);
+  }
+}
 
 TEST(DemoWorld, OnlyOneBallOfTheRoomReflects) {
   int mirrors = 0;

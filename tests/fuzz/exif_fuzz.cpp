@@ -1,7 +1,8 @@
-// EXIF: the block itself, and the containers it is looked for in. Damage there is no error.
+// EXIF: the block itself, and the containers it is looked for in; and the XMP of spheres. Damage there is no error.
 
 #include "fuzz/fuzz.h"
 #include "oraclegs/image/exif.h"
+#include "oraclegs/image/gpano.h"
 
 namespace {
 
@@ -21,4 +22,5 @@ ORACLEGS_FUZZ_TARGET(exif) {
   CheckExif(ParseExif(bytes));
   CheckExif(ReadExif(bytes));
   ReadJpegMetadata(bytes);
+  ReadProjection(bytes);
 }

@@ -182,6 +182,9 @@ void AddImages(const Corpus& corpus) {
   corpus.Add("exif", "jpeg", WithExif(jpeg, PhoneExif(8)).substr(0, 700));
   corpus.Add("exif", "webp", EncodeWebp(SmoothImage(2, 2, 3), PhoneExif()));
   corpus.Add("exif", "heic", heic);
+  corpus.Add("exif", "gpano",
+             "GPano:ProjectionType=\"equirectangular\" GPano:FullPanoWidthPixels=\"8\" "
+             "GPano:CroppedAreaImageWidthPixels=\"8\" <GPano:CroppedAreaTopPixels>0</GPano:CroppedAreaTopPixels>");
   corpus.Add("exif", "png",
              std::string("\x89PNG\r\n\x1a\n", 8) + Big(PhoneExif().size(), 4) + "eXIf" + PhoneExif() + "crc!");
   corpus.Add("photo", "jpeg", jpeg);

@@ -103,8 +103,8 @@ TEST(ReadTransformsIntrinsics, RefusesBadNumbers) {
   EXPECT_THAT(message({{"camera_angle_y", 4}, {"w", 64}, {"h", 40}}), HasSubstr("\"camera_angle_y\" is 4"));
   EXPECT_THAT(message({{"fl_x", 5}, {"w", 64.5}, {"h", 40}}), HasSubstr("\"w\" is 64.5"));
   EXPECT_THAT(message({{"fl_x", 5}, {"w", 1e18}, {"h", 40}}), HasSubstr("whole number"));
-  EXPECT_THAT(message({{"fl_x", 5}, {"w", 64}, {"h", 40}, {"camera_model", "EQUIRECTANGULAR"}}),
-              HasSubstr("'EQUIRECTANGULAR' is not supported; cut the panoramas into flat views first"));
+  EXPECT_THAT(message({{"fl_x", 5}, {"w", 64}, {"h", 40}, {"camera_model", "ORTHOPHOTO"}}),
+              HasSubstr("'ORTHOPHOTO' is not supported; undistort the photos to PINHOLE first"));
   EXPECT_THAT(message({{"fl_x", 5}, {"w", 64}, {"h", 40}, {"camera_model", "FISHEYE624"}}),
               HasSubstr("'FISHEYE624' is not supported; undistort the photos to PINHOLE first"));
   EXPECT_THAT(message({{"fl_x", 5}, {"w", 64}, {"h", 40}, {"camera_model", 3}}), HasSubstr("is not text"));

@@ -57,6 +57,21 @@ TEST_F(TransformsTest, FindsImagesWithAndWithoutExtension) {
   EXPECT_THAT(events_.warnings, IsEmpty());
 }
 
+TEST_F(TransformsTest, KnowsSpheresWithoutIntrinsics) {
+  WriteImage(root() / "a.png", 8, 4);
+  WriteImage(root() / "b.png", 8, 4);
+  json sphere = Frame("a.png");
+  sphere["camera_model"] = "EQUIRECTANGULAR";
+  WriteText(root() / "transforms.json", json{{"fl_x", 5}, {"w", 80}, {"frames", {sphere, Frame("b.png")}}}.dump(1));
+  const Scene scene = Read();
+  EXPECT_TRUE(scene.views[0].is_sphere);
+  EXPECT_EQ(scene.views[0].intrinsics.width, 8) << "the file's";
+  EXPECT_TRUE(scene.views[0].intrinsics.params.empty());
+  ASSERT_TRUE(scene.views[0].cam_from_world);
+  EXPECT_TRUE(scene.views[0].cam_from_world->isApprox(*scene.views[1].cam_from_world, 1e-15)) << "looks the same way";
+  EXPECT_FALSE(scene.views[1].is_sphere);
+}
+
 TEST_F(TransformsTest, LeavesOutFramesWithoutImage) {
   WriteImage(root() / "images/h.png");
   std::vector<json> frames{Frame("images/h.png")};

@@ -21,6 +21,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
+TEST(PlanStaging, GivesTheFacesOfASphereOneNameAndAsManyCameras) {
+  const TempDir dir;
+  Scene scene = WriteTexturedPlanes(dir / "scene", 4);
+  for (int v = 0; v < 4; ++v) {  // two faces each of "a b.jpg" and "a_b.tif"
+    SceneView& view = scene.views[static_cast<size_t>(v)];
+    view.sphere = SphereSource{v < 2 ? "a b.jpg" : "a_b.tif", {}, {}, 255, v % 2};
+  }
+  const auto plan = PlanStaging(scene, {0, 1, 2, 3});
+  EXPECT_EQ(plan[0].name, "camera0/a_b.png");
+  EXPECT_EQ(plan[1].name, "camera1/a_b.png");
+  EXPECT_EQ(plan[2].name, "camera0/2-a_b.png");
+  EXPECT_EQ(plan[3].name, "camera1/2-a_b.png");
+}
+
 TEST(PlanStaging, GroupsViewsByIntrinsics) {
   const TempDir dir;
   Scene scene = WriteTexturedPlanes(dir / "scene", 4);

@@ -97,8 +97,8 @@ PhotoSigns ReadSigns(const std::filesystem::path& path) {
   const std::string_view metadata = std::string_view(bytes).substr(0, kMetadataBytes);
   const ImageInfo info = ReadImageInfo(path);
   const double aspect = static_cast<double>(info.width) / info.height;
-  const bool is_sphere = aspect == 2 && !info.exif.HasCamera();
-  signs.is_panorama = aspect >= kMinPanorama || is_sphere || metadata.find("GPano:ProjectionType") != std::string::npos;
+  signs.is_panorama = aspect >= kMinPanorama || ReadProjection(metadata) != Projection::kPlain;
+  signs.may_be_sphere = !signs.is_panorama && aspect == 2 && !info.exif.HasCamera();
   signs.is_screenshot =
       IsPng(metadata) && !info.exif.HasCamera() && IsPhoneScreen(info.width, info.height) && signs.flat > .6;
   return signs;
@@ -110,11 +110,12 @@ std::vector<std::string> DescribeTrouble(const std::vector<std::string>& names, 
   const double usual = sharpness.size() >= kMinForMedian ? UpperMedian(sharpness) : 0;
   const bool before_black = AllHave(&PhotoSigns::dark_border, signs),
              before_white = AllHave(&PhotoSigns::bright_border, signs);
-  std::vector<std::string> blurred, dark, bright, panoramas, screenshots, alike;
+  std::vector<std::string> blurred, dark, bright, panoramas, spheres, screenshots, alike;
   for (size_t i = 0; i < signs.size(); ++i) {
     const PhotoSigns& s = signs[i];
     if (s.is_screenshot) screenshots.push_back(names[i]);
     if (s.is_panorama && !s.is_screenshot) panoramas.push_back(names[i]);
+    if (s.may_be_sphere && !s.is_screenshot) spheres.push_back(names[i]);
     const bool is_dark = !before_black && (s.mean < 20 || s.dark > .7);
     const bool is_bright = !before_white && (s.mean > 240 || s.bright > .6);
     if (is_dark) dark.push_back(names[i]);
@@ -136,8 +137,10 @@ std::vector<std::string> DescribeTrouble(const std::vector<std::string>& names, 
       "are mostly white; take them again with a shorter exposure", &out);
   Say(alike, "show the same from the same place; one of them helps little, take photos from different places",
       "show the same from the same place; copies help little, take photos from different places", &out);
-  Say(panoramas, "is a panorama or a spherical image, which no camera model here fits; take plain photos instead",
-      "are panoramas or spherical images, which no camera model here fits; take plain photos instead", &out);
+  Say(panoramas, "is a panorama but no whole sphere, which no camera model here fits; take plain photos instead",
+      "are panoramas but no whole spheres, which no camera model here fits; take plain photos instead", &out);
+  Say(spheres, "may be a spherical photo, for it is twice as wide as high; if so, add --set spheres=all",
+      "may be spherical photos, for they are twice as wide as high; if so, add --set spheres=all", &out);
   Say(screenshots, "looks like a screenshot; give the photo itself, or leave it out",
       "look like screenshots; give the photos themselves, or leave them out", &out);
   return out;
@@ -152,7 +155,9 @@ PhotoTrouble CheckPhotos(const std::vector<CheckedPhoto>& photos, const Listener
   ParallelFor(total, [&](int64_t i) {
     ThrowIfInterrupted();
     try {
-      signs[static_cast<size_t>(i)] = ReadSigns(photos[static_cast<size_t>(i)].path);
+      PhotoSigns& of_photo = signs[static_cast<size_t>(i)];
+      of_photo = ReadSigns(photos[static_cast<size_t>(i)].path);
+      if (photos[static_cast<size_t>(i)].is_sphere) of_photo.is_panorama = of_photo.may_be_sphere = false;
     } catch (const InputError& error) {
       damage[static_cast<size_t>(i)] = error.what();
     }

@@ -14,6 +14,7 @@ namespace oraclegs {
 struct CheckedPhoto {
   std::string name;
   std::filesystem::path path;
+  bool is_sphere = false;  ///< and is used as one
 };
 
 /// Signs of one photo that the checks look at.
@@ -24,7 +25,8 @@ struct PhotoSigns {
   double dark_border = 0, bright_border = 0;  ///< and of the pixels at the image's border
   double flat = 0;                            ///< share of pixels equal to their neighbor
   std::vector<double> signature;              ///< 24 x 24 gray levels
-  bool is_panorama = false;                   ///< very wide, a sphere by its size, or said to be one by its metadata
+  bool is_panorama = false;                   ///< very wide, or said to be one by its metadata
+  bool may_be_sphere = false;                 ///< else: by its size, and no camera is named
   bool is_screenshot = false;                 ///< a PNG of a phone's screen, without a camera in its metadata
 };
 

@@ -21,6 +21,7 @@
 #include "oraclegs/scene/named_files.h"
 #include "oraclegs/scene/photo_folder.h"
 #include "oraclegs/scene/read_colmap.h"
+#include "oraclegs/scene/spheres.h"
 #include "oraclegs/scene/transforms.h"
 
 namespace oraclegs {
@@ -128,7 +129,6 @@ Scene ReadScene(const fs::path& folder, const SceneReadOptions& options, const L
   if (scene.HasPoses()) RequireInside(scene, root, options);
   scene.root = root;
   if (scene.HasPoses()) FitCamerasToImages(&scene, listener);
-  ReadPointFile(listener, &scene);
   RequireUtf8Names(scene);
   const Listener of_masks = options.other_masks ? Silent() : listener;
   for (const char* folder : {"masks", "mask"}) AttachMasks(root / folder, of_masks, &scene);
@@ -137,6 +137,12 @@ Scene ReadScene(const fs::path& folder, const SceneReadOptions& options, const L
   } else {
     CheckMasks(&scene, listener);
   }
+  if (!options.faces.empty()) {
+    if (!scene.HasPoses()) MarkSpheres(options.spheres, &scene);
+    TakeFaces(options.faces, listener, &scene);
+  }
+  RequireNoSpheres(scene);
+  ReadPointFile(listener, &scene);
   return scene;
 }
 

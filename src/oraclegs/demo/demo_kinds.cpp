@@ -133,6 +133,12 @@ RayCamera OnTurn(int i, int views) {
   return LookFrom(kHeapMiddle + to_center, -to_center);
 }
 
+/// A turn around the objects, every other view from higher up.
+RayCamera AmidRoom(int i, int views) {
+  const Vec3 center = AroundTarget(static_cast<double>(i) / views, 1.9, i % 2 == 0 ? 1.2 : 1.75);
+  return LookFrom(center, Vec3{kTarget.x, kTarget.y, center.z} - center);
+}
+
 /// A rectangle .9 x .6 units upright to the direction of view, which any number of places fills evenly: their sequence
 /// is additive, by powers of the plastic number.
 RayCamera OnPlane(int i) {
@@ -150,6 +156,8 @@ RayCamera Posed(DemoKind kind, int i, int views) {
       return OnTurn(i, views);
     case DemoKind::kForward:
       return OnPlane(i);
+    case DemoKind::kSpheres:
+      return AmidRoom(i, views);
     case DemoKind::kOutdoor:
       return OnArc(i, views, .8, 1.3);  // low enough for the sky
     default:
@@ -176,7 +184,7 @@ RayCamera DemoCamera(DemoKind kind, int i, int views, int width, int height) {
   RayCamera camera = Posed(kind, i, views);
   camera.width = width;
   camera.height = height;
-  camera.focal = .92 * width;
+  camera.focal = kind == DemoKind::kSpheres ? 0 : .92 * width;
   return camera;
 }
 

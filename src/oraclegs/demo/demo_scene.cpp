@@ -66,16 +66,24 @@ void WriteDemoScene(const fs::path& dir, const DemoSceneOptions& options, const 
   listener(StageStarted{kStage});
   const auto start = std::chrono::steady_clock::now();
   const RayScene world = DemoWorld(options.kind);
-  nlohmann::json scene = {{"camera_model", "PINHOLE"},   {"w", options.width},          {"h", options.height},
-                          {"fl_x", .92 * options.width}, {"fl_y", .92 * options.width}, {"cx", .5 * options.width},
-                          {"cy", .5 * options.height},   {"integer_depth_scale", .001}};
+  const bool all_around = options.kind == DemoKind::kSpheres;
+  const int height = all_around ? options.width / 2 : options.height;
+  const double focal = all_around ? height : .92 * options.width;  // as Nerfstudio writes it
+  nlohmann::json scene = {{"camera_model", all_around ? "EQUIRECTANGULAR" : "PINHOLE"},
+                          {"w", options.width},
+                          {"h", height},
+                          {"fl_x", focal},
+                          {"fl_y", focal},
+                          {"cx", .5 * options.width},
+                          {"cy", .5 * height},
+                          {"integer_depth_scale", .001}};
   for (int i = 0; i < options.views; ++i) {
     ThrowIfInterrupted();
-    const RayCamera camera = DemoCamera(options.kind, i, options.views, options.width, options.height);
+    const RayCamera camera = DemoCamera(options.kind, i, options.views, options.width, height);
     const RayTracedView view = TraceView(world, camera, options.samples, i);
     const std::string image = "images/" + NumberedPng(i), depth = "depth/" + NumberedPng(i);
     WritePng(dir / image, view.rgb);
-    WritePng16(dir / depth, options.width, options.height, view.depth);
+    WritePng16(dir / depth, options.width, height, view.depth);
     scene["frames"].push_back(
         {{"file_path", image}, {"depth_file_path", depth}, {"transform_matrix", TransformMatrix(camera)}});
     listener(StepDone{kStage, i + 1, options.views, "views", ""});

@@ -22,7 +22,9 @@ struct DemoSceneOptions {
           "What is shown: room = textured objects in a room, from an arc, object = objects that touch before plain "
           "white, from all around, walls = the room with walls of one color each, forward = the room from places side "
           "by side, all looking the same way, thin = the room with poles, a grating and rings, 1 to 4 pixels thick at "
-          "320 x 240, outdoor = the objects on open ground, houses 10 to 55 units away and a smooth sky");
+          "320 x 240, outdoor = the objects on open ground, houses 10 to 55 units away and a smooth sky, spheres = the "
+          "room in spherical photos, half as high as wide, "
+          "whatever --height says");
     visit("demo-views", self.views, "Images to render", Range{2, 1000});
     visit("width", self.width, "Pixels", Range{16, 8192});
     visit("height", self.height, "Pixels", Range{16, 8192});

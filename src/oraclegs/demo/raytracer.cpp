@@ -74,7 +74,7 @@ class Tracer {
     const Ray ray = CameraRay(x + .5, y + .5);
     const Hit hit = Nearest(objects_, ray);
     if (hit.object == nullptr) return 0;
-    const double z = hit.at.t * Dot(ray.direction, camera_.forward);
+    const double z = hit.at.t * (camera_.focal == 0 ? 1 : Dot(ray.direction, camera_.forward));
     return static_cast<uint16_t>(std::min(65535.0, std::floor(1000 * z + .5)));
   }
 
@@ -97,6 +97,12 @@ class Tracer {
   }
 
   Ray CameraRay(double px, double py) const {
+    if (camera_.focal == 0) {
+      const SinCos longitude = SinCosOfTurns(px / camera_.width - .5),
+                   latitude = SinCosOfTurns((py / camera_.height - .5) / 2);
+      const Vec3 level = longitude.sin * camera_.right + longitude.cos * camera_.forward;
+      return {camera_.center, Normalized(latitude.cos * level + latitude.sin * camera_.down)};
+    }
     const double x = (px - .5 * camera_.width) / camera_.focal, y = (py - .5 * camera_.height) / camera_.focal;
     return {camera_.center, Normalized(x * camera_.right + y * camera_.down + camera_.forward)};
   }

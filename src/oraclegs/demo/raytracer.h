@@ -28,16 +28,18 @@ struct RayScene {
   Surroundings around = Surroundings::kRoom;
 };
 
-/// A pinhole camera for rays. right, down, forward are orthonormal (the camera frame of camera/camera.h).
+/// A pinhole camera for rays, or one that sees all around (equirectangular, 360 x 180 degrees). right, down, forward
+/// are orthonormal (the camera frame of camera/camera.h).
 struct RayCamera {
   int width = 0, height = 0;
-  double focal = 0;  ///< pixels; the principal point is the image's center
+  double focal = 0;  ///< pixels; the principal point is the image's center; 0 = sees all around
   Vec3 center, right, down, forward;
 };
 
 struct RayTracedView {
   Image8 rgb;
-  std::vector<uint16_t> depth;  ///< z along the optical axis at the pixel's center, 1/1000 scene unit; 0 = none
+  std::vector<uint16_t> depth;  ///< z along the optical axis (all around: distance) at the pixel's center, 1/1000 scene
+                                ///< unit; 0 = none
 };
 
 /// Traces samples x samples rays a pixel. `view` selects the random numbers. The result does not depend on the number

@@ -54,6 +54,7 @@ Beginning Parse(const std::string& bytes, const std::string& file, bool is_all) 
   SizeOf(bytes, file, Orientation::kAsStored, &header.stored_width, &header.stored_height);
   header.extension = ExtensionOf(bytes);
   header.may_be_transparent = PngMayBeTransparent(bytes);
+  header.projection = ReadProjection(std::string_view(bytes).substr(0, kHeads[1]));
   if (IsJpeg(bytes) || is_all) read.exif = ReadExif(bytes);  // others may end with their EXIF
   header.is_turned = IsJpeg(bytes) && read.exif->orientation != 1;
   return read;

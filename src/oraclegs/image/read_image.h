@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "oraclegs/image/exif.h"
+#include "oraclegs/image/gpano.h"
 #include "oraclegs/image/image.h"
 
 namespace oraclegs {
@@ -30,6 +31,7 @@ struct ImageHeader {
   std::string extension;                    ///< usual end of such a file's name, by its content: ".jpg"
   bool is_turned = false;                   ///< a JPEG that its EXIF orientation turns or mirrors
   bool may_be_transparent = false;          ///< a PNG of a kind with alpha, or a palette (whose entries may be)
+  Projection projection = Projection::kPlain;
 };
 
 /// Reads of a file what ReadImageSize reads. Throws InputError naming it.

@@ -36,7 +36,7 @@ std::string SizeOfPhoto(const fs::path& photo) {
 }
 
 nlohmann::json DescribeScene(const fs::path& path, const Listener& listener) {
-  const Scene scene = ReadScene(path, SceneReadOptions{.allow_outside = true}, listener);
+  const Scene scene = ReadScene(path, SceneReadOptions{.allow_outside = true, .faces = "faces"}, listener);
   std::map<std::string, int> models, sizes;
   size_t masks = 0, unreadable = 0;
   for (const SceneView& view : scene.views) {

@@ -1,9 +1,9 @@
 #include "oraclegs/run/start.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
+#include "oraclegs/capture/cut_spheres.h"
 #include "oraclegs/capture/import.h"
 #include "oraclegs/capture/video.h"
 #include "oraclegs/core/files.h"
@@ -36,9 +36,7 @@ namespace fs = std::filesystem;
 /// Fingerprint of the images of a scene without poses; "" for a scene with poses.
 std::string PhotosFingerprint(const Scene& scene, FileHashes* files) {
   if (scene.HasPoses()) return "";
-  std::vector<int> all(scene.views.size());
-  std::iota(all.begin(), all.end(), 0);
-  return ViewsFingerprint(scene, all, ImageOptions(), files);
+  return ViewsFingerprint(scene, AllViews(scene), ImageOptions(), files);
 }
 
 void ReportSplit(const nlohmann::json& split, const Listener& listener) {
@@ -82,12 +80,14 @@ void CheckSmallerCopies(const Scene& scene, const ImageOptions& options, const L
                        scene.root.string(), downscale)});
 }
 
-Scene Read(const fs::path& root, const RunOptions& options, const Listener& listener) {
+/// `faces`: where the views of spherical photos are to lie; empty = they are refused.
+Scene Read(const fs::path& root, const RunOptions& options, const fs::path& faces, const Listener& listener) {
   if (!IsUtf8(options.input.images.string())) {
     throw InputError("{}: the name of the --images folder is not valid UTF-8; rename it",
                      EscapeBytes(options.input.images.string()));
   }
-  const SceneReadOptions read{options.input.images, options.input.allow_outside, !options.masks.masks.empty()};
+  const SceneReadOptions read{options.input.images, options.input.allow_outside, faces, options.image.spheres,
+                              !options.masks.masks.empty()};
   Scene scene = ReadScene(root, read, listener);
   CheckSmallerCopies(scene, options.image.Settled(), listener);
   ReportSplitLists(scene, options.split, listener);
@@ -234,7 +234,7 @@ void SaveSplit(const Run& run) {
 }  // namespace
 
 PosedScene ReadPosedScene(const fs::path& root, const RunOptions& options, const Listener& listener) {
-  Scene scene = Read(root, options, listener);
+  Scene scene = Read(root, options, {}, listener);
   if (!scene.HasPoses()) {
     throw InputError("{}: these photos have no poses; run `oraclegs reconstruct` and name its workspace instead",
                      root.string());
@@ -272,10 +272,9 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
   }
   const fs::path& proposals = request.options.propose.proposal_folder;
   if (!proposals.empty()) RequireApart(request.out, proposals);
-
   Scene scene;
   const auto read = [&] {
-    scene = Read(request.scene, request.options, listener);
+    scene = Read(request.scene, request.options, WorkspacePaths(request.out).faces(), listener);
     if (!imports) RequireOutsideScene(request.out, scene, request.options.input.images);
     CheckScale(scene, request.options.frame.scale);
   };
@@ -305,6 +304,7 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
     settled = settle();
     workspace.SaveSize(SizeToJson(*settled));
   }
+  CutSpheres(scene, workspace.faces(), listener);
   TakeSize(*settled, &plan);
   Run run{*settled, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
   run.workspace.DropDamagedRecords(listener);
@@ -334,8 +334,9 @@ Run OpenRun(const RunRequest& asked, const Listener& listener) {
   if (!difference.empty()) {
     throw InputError("{}: was run with other options ({}); leave them out", request.out.string(), difference);
   }
-  Scene scene = Read(saved.scene, request.options, listener);
+  Scene scene = Read(saved.scene, request.options, WorkspacePaths(request.out).faces(), listener);
   Workspace workspace = Workspace::Open(request.out);
+  CutSpheres(scene, workspace.faces(), listener);
   Plan plan = MakePlanToEvaluate(request.options);
   if (!scene.HasPoses()) plan.poses = PoseNetworkOf(request.options, workspace);
   const RunOptions settled = SettleSize(request.options, scene, plan.device, saved.size, Silent());

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "oraclegs/camera/intrinsics.h"
+#include "oraclegs/core/enum_words.h"
 #include "oraclegs/core/progress.h"
 #include "oraclegs/image/exif.h"
 
@@ -36,6 +37,24 @@ const char* SceneFormatName(SceneFormat format);
 /// Which file of a Blender-style scene a view came from, or which list of a transforms.json names it; else kNone.
 enum class DeclaredRole { kNone, kTrain, kVal, kTest };
 
+/// The spherical photo that a view is a face of (scene/spheres.h).
+struct SphereSource {
+  std::string name;  ///< the photo's own, as a view's
+  std::filesystem::path image_path, mask_path;
+  uint8_t mask_white = 255;
+  int face = 0;  ///< index into SphereFaces()
+};
+
+/// Which photos without poses are spheres.
+enum class SphereChoice {
+  kMarked,  ///< those whose metadata says so
+  kAll,     ///< all that are twice as wide as high
+};
+template <>
+struct EnumWords<SphereChoice> {
+  static constexpr EnumWord<SphereChoice> kWords[] = {{SphereChoice::kMarked, "marked"}, {SphereChoice::kAll, "all"}};
+};
+
 /// An image with its camera: intrinsics and, unless the scene is a plain folder, a pose.
 struct SceneView {
   std::string name;                  ///< unique; the image's path below the image folder, e.g. "0001.jpg"
@@ -49,6 +68,8 @@ struct SceneView {
   std::optional<GpsPosition> gps;  ///< position from the EXIF of a plain folder
   bool as_stored = false;          ///< the camera describes the pixels as stored: the EXIF orientation is ignored
   DeclaredRole role = DeclaredRole::kNone;
+  bool is_sphere = false;  ///< no pinhole camera's image, but an equirectangular one: not yet cut
+  std::optional<SphereSource> sphere;
 };
 
 struct ScenePoint {
@@ -74,6 +95,10 @@ struct SceneReadOptions {
   /// Also read what the scene's files name outside its folder and `images`. A stranger's scene could name any picture
   /// of this machine, which would then be in the result.
   bool allow_outside = false;
+  /// Where the views are written that spherical photos are cut into, by whoever uses them; empty = spheres with poses
+  /// are refused, and those without stay photos.
+  std::filesystem::path faces = {};
+  SphereChoice spheres = SphereChoice::kMarked;
   bool other_masks = false;  ///< the run gets masks from elsewhere: those of the scene are left out, with a note
 };
 

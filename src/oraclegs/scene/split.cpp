@@ -6,6 +6,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/scene/spheres.h"
 #include "oraclegs/scene/view_list.h"
 
 namespace oraclegs {
@@ -13,10 +14,34 @@ namespace {
 
 constexpr int kUsualTestEvery = 8;  // of the sparse-view papers
 
-std::vector<int> EveryNth(const Scene& scene, int n) {
+using Photos = std::vector<std::vector<int>>;  // the views of each
+
+std::vector<int> ViewsOf(const Photos& photos) {
   std::vector<int> views;
-  for (size_t i = 0; n > 0 && i < scene.views.size(); i += static_cast<size_t>(n)) views.push_back(static_cast<int>(i));
+  for (const std::vector<int>& photo : photos) views.insert(views.end(), photo.begin(), photo.end());
+  std::sort(views.begin(), views.end());
   return views;
+}
+
+std::vector<int> EveryNth(const Scene& scene, int n) {
+  const Photos photos = ByPhoto(scene, AllViews(scene));
+  Photos picked;
+  for (size_t i = 0; n > 0 && i < photos.size(); i += static_cast<size_t>(n)) picked.push_back(photos[i]);
+  return ViewsOf(picked);
+}
+
+/// Whoever names a face means its sphere: the others show what is beside it, from the same place.
+std::vector<int> WithOtherFaces(const Scene& scene, const std::vector<int>& named) {
+  Photos photos = ByPhoto(scene, AllViews(scene));
+  std::erase_if(photos, [&](const std::vector<int>& photo) {
+    return std::none_of(photo.begin(), photo.end(),
+                        [&](int v) { return std::binary_search(named.begin(), named.end(), v); });
+  });
+  return ViewsOf(photos);
+}
+
+std::vector<int> Named(const Scene& scene, const char* option, const std::string& list) {
+  return WithOtherFaces(scene, NamedViews(scene, option, list));
 }
 
 std::vector<int> ViewsOfRole(const Scene& scene, DeclaredRole role) {
@@ -25,17 +50,17 @@ std::vector<int> ViewsOfRole(const Scene& scene, DeclaredRole role) {
   return views;
 }
 
-/// candidates[linspace(0, n-1, count)], truncated or rounded. The products are numpy's (i * step, the last exact), so
-/// that the same views are picked where the ideal value is a whole number and its last bits decide.
-std::vector<int> PickEvenly(const std::vector<int>& candidates, int count, ViewSteps steps) {
-  const double last = static_cast<double>(candidates.size() - 1);
+/// The views of photos[linspace(0, n-1, count)], truncated or rounded. The products are numpy's (i * step, the last
+/// exact), so that the same views are picked where the ideal value is a whole number and its last bits decide.
+std::vector<int> PickEvenly(const Photos& photos, int count, ViewSteps steps) {
+  const double last = static_cast<double>(photos.size() - 1);
   const double step = count > 1 ? last / (count - 1) : 0;
-  std::vector<int> picked;
+  Photos picked;
   for (int i = 0; i < count; ++i) {
     const double place = i > 0 && i == count - 1 ? last : i * step;
-    picked.push_back(candidates[static_cast<size_t>(steps == ViewSteps::kRound ? std::nearbyint(place) : place)]);
+    picked.push_back(photos[static_cast<size_t>(steps == ViewSteps::kRound ? std::nearbyint(place) : place)]);
   }
-  return picked;
+  return ViewsOf(picked);
 }
 
 std::vector<int> Without(const std::vector<int>& views, const std::vector<int>& others) {
@@ -62,7 +87,7 @@ std::vector<int> DeclaredTrainingViews(const Scene& scene) {
 }
 
 std::vector<int> TestViewsOf(const Scene& scene, const SplitOptions& options) {
-  if (!options.test_views.empty()) return NamedViews(scene, "--test-views", options.test_views);
+  if (!options.test_views.empty()) return Named(scene, "--test-views", options.test_views);
   if (SplitsItself(scene, options)) return ViewsOfRole(scene, DeclaredRole::kTest);
   return EveryNth(scene, options.test_every.ValueOr(options.eval ? kUsualTestEvery : 0));
 }
@@ -90,19 +115,20 @@ Split SplitViews(const Scene& scene, const SplitOptions& options) {
   if (options.train_views.empty()) {
     split.train = Without(SplitsItself(scene, options) ? DeclaredTrainingViews(scene) : AllViews(scene), split.test);
   } else {
-    split.train = NamedViews(scene, "--train-views", options.train_views);
+    split.train = Named(scene, "--train-views", options.train_views);
     if (!options.test_views.empty()) RequireApart(scene, split.train, split.test);
     split.test = Without(split.test, split.train);
   }
-  const size_t available = split.train.size();
+  const Photos photos = ByPhoto(scene, split.train);
+  const size_t available = photos.size();
   if (options.views > 0 && static_cast<size_t>(options.views) > available) {
     throw InputError("{}: --views asks for {}, but only {} left beside {}; ask for fewer", scene.root.string(),
                      Counted(options.views, "training view"),
                      available == 1 ? "1 is" : fmt::format("{} are", available),
                      Counted(split.test.size(), "test view"));
   }
-  if (options.views > 0) split.train = PickEvenly(split.train, options.views, options.view_steps);
-  if (scene.views.size() == 1) {
+  if (options.views > 0) split.train = PickEvenly(photos, options.views, options.view_steps);
+  if (ByPhoto(scene, AllViews(scene)).size() == 1) {
     throw InputError("{}: one photo is not enough; give 3 or more of the same things from different places",
                      scene.root.string());
   }

@@ -57,7 +57,8 @@ struct Split {
 /// The options with the lists of files in place of their names. Throws InputError as ExpandViewList does.
 SplitOptions WithListsRead(const SplitOptions& options);
 
-/// The protocol of the sparse-view papers (docs/method.md#train-and-test-views). `options` are WithListsRead. Throws
+/// The protocol of the sparse-view papers (docs/method.md#train-and-test-views). It counts photos: all faces of a
+/// sphere train, or all of them test. `options` are WithListsRead. Throws
 /// InputError when fewer than two training views are left or more are asked for than exist, a named view does not, or
 /// one is named in both lists.
 Split SplitViews(const Scene& scene, const SplitOptions& options);

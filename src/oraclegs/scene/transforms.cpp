@@ -6,6 +6,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/declared_split.h"
 #include "oraclegs/scene/named_files.h"
 #include "oraclegs/scene/scene.h"
@@ -48,7 +49,12 @@ SceneView MakeView(const TransformsFrame& frame, const std::string& written, con
   view.name =
       !image.name.empty() ? image.name : ViewName(WithSlashes(appended ? written + extension.string() : written));
   if (image.path.empty()) return view;  // left out, so its camera is not read
-  view.intrinsics = ReadTransformsIntrinsics(frame, image.path);
+  view.is_sphere = IsSphereFrame(frame);
+  if (view.is_sphere) {
+    ReadImageSize(image.path, &view.intrinsics.width, &view.intrinsics.height);
+  } else {
+    view.intrinsics = ReadTransformsIntrinsics(frame, image.path);
+  }
   const TransformsPose pose = ReadTransformsPose(frame);
   view.cam_from_world = pose.cam_from_world;
   roundings->push_back(pose.rounding);

@@ -11,9 +11,10 @@ namespace oraclegs {
 
 /// Reads root/transforms.json. Intrinsics stand in the frame or else at the top of the file: fl_x fl_y (or
 /// camera_angle_x camera_angle_y, radians), cx cy (default: the center), w h (default: the image file's size), k1 k2 k3
-/// k4 p1 p2 with camera_model PINHOLE, SIMPLE_PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV or OPENCV_FISHEYE. The image is
-/// file_path as written, or with .png .jpg .jpeg appended, below root (below options.images when that is given). A
-/// view's name is file_path with the extension found. Throws InputError naming the file and the frame.
+/// k4 p1 p2 with camera_model PINHOLE, SIMPLE_PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV or OPENCV_FISHEYE; with
+/// EQUIRECTANGULAR the view is_sphere and has a size alone. The image is file_path as written, or with .png .jpg .jpeg
+/// appended, below root (below options.images when that is given). A view's name is file_path with the extension found.
+/// Throws InputError naming the file and the frame.
 Scene ReadTransformsScene(const std::filesystem::path& root, const SceneReadOptions& options, const Listener& listener);
 
 /// Reads root/transforms_train.json, transforms_test.json and transforms_val.json (the last two are optional) in the

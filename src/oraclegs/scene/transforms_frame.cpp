@@ -87,10 +87,8 @@ bool IsFisheye(const TransformsFrame& frame) {
     const json* flag = frame.Find("is_fisheye");  // instant-ngp's way to say it
     return flag && flag->is_boolean() && flag->get<bool>();
   }
-  throw InputError("{}: camera_model '{}' is not supported; {}", frame.place, Printable(model),
-                   model == "EQUIRECTANGULAR" ? "cut the panoramas into flat views first (Nerfstudio: ns-process-data "
-                                                "images --camera-type equirectangular)"
-                                              : "undistort the photos to PINHOLE first");
+  throw InputError("{}: camera_model '{}' is not supported; undistort the photos to PINHOLE first", frame.place,
+                   Printable(model));
 }
 
 /// Puts the words NaN, Infinity and -Infinity, which Python writes and JSON does not know, in quotes, so that the error
@@ -171,6 +169,8 @@ std::optional<std::string> TransformsFrame::FindText(const char* key) const {
   if (!value->is_string()) throw InputError("{}: \"{}\" is not text", place, key);
   return value->get<std::string>();
 }
+
+bool IsSphereFrame(const TransformsFrame& frame) { return frame.FindText("camera_model") == "EQUIRECTANGULAR"; }
 
 Intrinsics ReadTransformsIntrinsics(const TransformsFrame& frame, const std::filesystem::path& image_path) {
   Intrinsics size;

@@ -39,6 +39,9 @@ NamedTransformsFrame NamedFrame(const nlohmann::json& file, const nlohmann::json
 /// The image that file_path means: as written or with an extension appended; empty when there is none.
 std::filesystem::path FindFrameImage(const std::filesystem::path& folder, const std::string& file_path);
 
+/// True for an equirectangular image, which no intrinsics describe: its middle is where the camera looks.
+bool IsSphereFrame(const TransformsFrame& frame);
+
 /// The intrinsics; w and h missing are read from the image's header. Throws InputError as ReadTransformsScene says.
 Intrinsics ReadTransformsIntrinsics(const TransformsFrame& frame, const std::filesystem::path& image_path);
 

@@ -39,8 +39,11 @@ class ViewsByName {
     auto& by_name = ways_[way];
     if (by_name.empty()) {
       by_name.reserve(scene_.views.size());
-      for (const int i : AllViews(scene_))
-        by_name[CalledIn(way, scene_.views[static_cast<size_t>(i)].name)].push_back(i);
+      for (const int i : AllViews(scene_)) {
+        const SceneView& view = scene_.views[static_cast<size_t>(i)];
+        by_name[CalledIn(way, view.name)].push_back(i);
+        if (view.sphere && view.sphere->face == 0) by_name[CalledIn(way, view.sphere->name)].push_back(i);
+      }
     }
     const auto found = by_name.find(name);
     return found == by_name.end() ? nullptr : &found->second;

@@ -14,6 +14,7 @@ struct AutoImageOptions {
   SmallerCopies smaller_copies = SmallerCopies::kWhereFound;
   ResizeFilter resize = ResizeFilter::kArea;
   Auto<Background> background;
+  SphereChoice spheres = SphereChoice::kMarked;
 
   /// With full size and black where nothing chose otherwise (run_size.h does for a run).
   ImageOptions Settled() const {
@@ -41,6 +42,10 @@ struct AutoImageOptions {
     visit("background", self.background,
           "Color behind transparent pixels and behind the scene; auto = white where the photos show something before "
           "plain white, else black");
+    visit("spheres", self.spheres,
+          "Which photos without poses are equirectangular, 360 x 180 degrees, and are cut into views: marked = those "
+          "whose metadata says so (GPano), as 360 degree cameras write it; all = every one twice as wide as high",
+          Tier::kSetting);
   }
 };
 

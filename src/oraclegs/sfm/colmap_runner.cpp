@@ -255,6 +255,20 @@ void ColmapRunner::AdjustBundle(const std::filesystem::path& model, const std::f
           {"adjusting", {}, 0});
 }
 
+void ColmapRunner::AdjustRigs(const std::filesystem::path& model, const std::filesystem::path& rigs,
+                              const std::filesystem::path& adjusted) const {
+  Execute({"colmap", "rig_bundle_adjuster"},
+          {{"input_path", model.string()},
+           {"output_path", adjusted.string()},
+           {"rig_config_path", rigs.string()},
+           {"estimate_rig_relative_poses", "0"},
+           {"RigBundleAdjustment.refine_relative_poses", "0"},
+           {"BundleAdjustment.refine_focal_length", "0"},
+           {"BundleAdjustment.refine_extra_params", "0"},
+           {"BundleAdjustment.function_tolerance", "1e-7"}},
+          {"adjusting the spheres", {}, 0});
+}
+
 std::filesystem::path ColmapRunner::WithoutImages(const std::filesystem::path& model,
                                                   const std::vector<std::string>& names,
                                                   const std::filesystem::path& folder) const {

@@ -74,6 +74,10 @@ class ColmapRunner {
   void ImportMatches(const std::filesystem::path& list, int64_t pairs, const std::string& what) const;
   /// Poses, intrinsics and points of a model refined together; reads no database.
   void AdjustBundle(const std::filesystem::path& model, const std::filesystem::path& adjusted) const;
+  /// Poses and points of a model refined together, the intrinsics and the turns between a rig's cameras fixed; reads no
+  /// database. `rigs`: JSON as rig_bundle_adjuster of COLMAP 3.8 reads it.
+  void AdjustRigs(const std::filesystem::path& model, const std::filesystem::path& rigs,
+                  const std::filesystem::path& adjusted) const;
   /// The model without images of these names, adjusted anew, since the poses of the others were found together with
   /// theirs; reads no database. It is written below `folder`; empty where colmap leaves no model.
   std::filesystem::path WithoutImages(const std::filesystem::path& model, const std::vector<std::string>& names,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string_view>
@@ -41,6 +42,8 @@ bool NeedsCopy(const SceneView& view) {
 /// The name as one path component that colmap's text files can hold.
 std::string PlainName(const SceneView& view) {
   std::string name = view.name;
+  // The faces of a sphere have one name, by which colmap knows that they belong together.
+  if (view.sphere) name = fs::path(view.sphere->name).replace_extension(view.image_path.extension()).string();
   for (char& c : name) {
     if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-' && c != '_') c = '_';
   }
@@ -61,20 +64,26 @@ struct CameraKey {
   int width = 0, height = 0;   ///< with kTurn, width is the longer side where the intrinsics are unknown
   std::vector<double> params;  ///< the intrinsics or, where unknown, the focal length by EXIF
   std::string name;            ///< maker and model, by EXIF; "" where the intrinsics are known
+  int face = -1;               ///< of a sphere: for colmap, a rig has a camera for each
   bool operator==(const CameraKey&) const = default;
 
   bool IsNameless() const { return model == -1 && name.empty() && params[0] == 0; }
 };
 
 CameraKey CameraKeyOf(const SceneView& view, Upright upright) {
+  const int face = view.sphere ? view.sphere->face : -1;
   if (!view.intrinsics.params.empty()) {
-    return {static_cast<int>(view.intrinsics.model), view.intrinsics.width, view.intrinsics.height,
-            view.intrinsics.params, ""};
+    return {static_cast<int>(view.intrinsics.model),
+            view.intrinsics.width,
+            view.intrinsics.height,
+            view.intrinsics.params,
+            "",
+            face};
   }
   int width = 0, height = 0;
   ReadImageSize(view.image_path, &width, &height);
   if (upright == Upright::kTurn && width < height) std::swap(width, height);
-  return {-1, width, height, {view.focal_prior}, view.camera};
+  return {-1, width, height, {view.focal_prior}, view.camera, face};
 }
 
 /// Photos that lost their EXIF get the key of the only camera of their size.
@@ -200,6 +209,7 @@ std::vector<StagedView> PlanStaging(const Scene& scene, const std::vector<int>& 
       upright == Upright::kTurn ? ArePortrait(scene, views, camera_of) : std::vector<bool>();
   std::vector<StagedView> plan;
   std::set<std::string> taken;
+  std::map<std::string, int> first_face;  // by sphere
   for (size_t i = 0; i < views.size(); ++i) {
     const SceneView& view = scene.views.at(static_cast<size_t>(views[i]));
     const int camera = camera_of[i];
@@ -214,7 +224,8 @@ std::vector<StagedView> PlanStaging(const Scene& scene, const std::vector<int>& 
       staged.name += ReadImageHeader(view.image_path).extension;
     }
     if (!taken.insert(staged.name).second) {  // names that differ only in what PlainName replaced
-      staged.name = fmt::format("camera{}/{}-{}", camera, views[i], staged.name.substr(staged.name.find('/') + 1));
+      const int number = view.sphere ? first_face.emplace(view.sphere->name, views[i]).first->second : views[i];
+      staged.name = fmt::format("camera{}/{}-{}", camera, number, staged.name.substr(staged.name.find('/') + 1));
       taken.insert(staged.name);
     }
     plan.push_back(std::move(staged));

@@ -12,7 +12,7 @@ namespace oraclegs {
 
 /// Where one view stands below work_dir/images.
 struct StagedView {
-  std::string name;        ///< "camera0/0001.jpg", unique, without blanks
+  std::string name;        ///< "camera0/0001.jpg", unique, without blanks; of a face: its sphere's
   int camera = 0;          ///< views with equal intrinsics share it; unknown ones: of one size, camera and focal length
   bool is_copy = false;    ///< a JPEG is written: colmap would see the image unturned, or reads no such file
   bool is_turned = false;  ///< the copy is turned by 90 degrees, clockwise: width and height are the camera's then

@@ -25,6 +25,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kFacesOfSphere = 2;  // place it
+
 /// A step of the journal: costly features added no photo to a model, and the search is over.
 constexpr char kAddsNothing[] = "costly features add nothing";
 
@@ -41,7 +43,7 @@ class AttemptRunner {
     first_database_ = Colmap(0).database();
     for (size_t i = 0; i < schedule.size(); ++i) {
       if (schedule[i].is_learned && !request_.find_features) continue;
-      if (i > 0 && !IsWorthTrying(schedule[i], best_.quality(), images(), Evidence())) continue;
+      if (i > 0 && (HasEnough() || !IsWorthTrying(schedule[i], best_.quality(), images(), Evidence()))) continue;
       TrySet(schedule[i], i);
       if (IsDone(kAddsNothing)) break;
     }
@@ -82,6 +84,19 @@ class AttemptRunner {
     const auto number = std::count_if(schedule.begin(), schedule.begin() + static_cast<std::ptrdiff_t>(set) + 1, fits);
     return Colmap(fmt::format("features{}", set),
                   set == 0 ? "" : fmt::format("attempt {} of at most {}, {}: ", number, most, schedule[set].name));
+  }
+
+  /// Two faces place a sphere, of which others may show plain sky.
+  bool HasEnough() const {
+    if (IsEnough(best_.quality(), images())) return true;
+    if (request_.spheres.empty() || !IsSound(best_.quality())) return false;
+    std::map<std::string, int> faces;
+    for (const auto& [image, sphere] : request_.spheres) faces[sphere] += best_.quality().images.count(image);
+    const bool all_placed =
+        std::all_of(faces.begin(), faces.end(), [](const auto& f) { return f.second >= kFacesOfSphere; });
+    return all_placed && std::all_of(request_.names.begin(), request_.names.end(), [&](const std::string& name) {
+             return request_.spheres.count(name) > 0 || best_.quality().images.count(name) > 0;
+           });
   }
 
   bool IsDone(const std::string& step) const { return journal().steps.count(step) > 0; }
@@ -137,7 +152,7 @@ class AttemptRunner {
     }
     Gather(colmap.database());
     for (const MapperAttempt& attempt : set.attempts) {
-      if (IsEnough(best_.quality(), images()) || !has_pairs_) break;
+      if (HasEnough() || !has_pairs_) break;
       const std::string step = set.name + ", " + attempt.name;
       if (IsDone(step)) continue;
       const int crashes = crashes_;
@@ -210,9 +225,17 @@ class AttemptRunner {
     return record.kept;
   }
 
+  /// The mapper refines the intrinsics of all cameras or of none.
+  void FixKnownCameras(ColmapOptions* options) const {
+    if (!request_.known_cameras) return;
+    (*options)["Mapper.ba_refine_focal_length"] = "0";
+    (*options)["Mapper.ba_refine_extra_params"] = "0";
+  }
+
   void Map(const FeatureSet& set, const MapperAttempt& attempt, const ColmapRunner& colmap) {
     const fs::path models = best_.NewModelFolder();
     ColmapOptions options = attempt.options;
+    FixKnownCameras(&options);
     options["image_path"] = colmap.images().string();
     options["output_path"] = models.string();
     AttemptRecord record{set.name, attempt.name};
@@ -249,6 +272,7 @@ class AttemptRunner {
     const fs::path registered = best_.NewModelFolder(), triangulated = best_.NewModelFolder(),
                    adjusted = best_.NewModelFolder();
     ColmapOptions options = RemainingImagesOptions();
+    FixKnownCameras(&options);
     options["input_path"] = best_.candidate().model.string();
     options["output_path"] = registered.string();
     try {
@@ -271,7 +295,7 @@ class AttemptRunner {
 
   /// With known intrinsics, verification asks for one motion of that camera, so weaker matches can be let in.
   void Rematch() {
-    if (IsEnough(best_.quality(), images()) || !IsSound(best_.quality())) return;
+    if (HasEnough() || !IsSound(best_.quality())) return;
     if (best_.candidate().set.is_learned) return;  // colmap cannot match a network's features
     const ColmapRunner colmap = Colmap(best_.candidate().database.stem().string());
     if (!CanMatch(colmap) || !LinksMakeAModel(Evidence(), images())) return;
@@ -292,7 +316,7 @@ class AttemptRunner {
     best_.SetDatabase(rematched.database());  // the keypoints are the same
     RegisterRemaining(set, rematched);
     for (const MapperAttempt& attempt : set.attempts) {
-      if (attempt.focal_guess > 0 || IsEnough(best_.quality(), images())) continue;
+      if (attempt.focal_guess > 0 || HasEnough()) continue;
       Map(set, attempt, rematched);
     }
   }

@@ -18,6 +18,8 @@ struct AttemptRequest {
   bool has_masks = false;
   std::filesystem::path work_dir;
   std::map<std::string, double> focal_priors = {};  ///< pixels, by name of the image, where EXIF says it
+  bool known_cameras = false;                       ///< focal_priors are of all images, and exact; none has distortion
+  std::map<std::string, std::string> spheres = {};  ///< by image that is a face of one (tie_spheres.h)
   FeatureFinder find_features = {};                 ///< a network's; empty = there is none
   ConfirmedShares confirmed_shares = {};            ///< finds misplaced images; empty = nothing does
 };
@@ -28,11 +30,11 @@ struct AttemptResult {
   std::vector<std::string> left_out = {};  ///< images without a camera that can be right
 };
 
-/// Follows the schedule until it is enough, or until the matches say that no more can help. Steps that an earlier call,
-/// of the same images, finished in AttemptsFolder(work_dir) are not done again. Leaves the best sound model in
-/// work_dir/sparse/0 and, as work_dir/database.db, the features and matches it was made from; without a sound model the
-/// first set's. Throws ColmapFailure when the first set's features or matches fail; later failures only end their
-/// attempt.
+/// Follows the schedule until it is enough (of a sphere, two faces), or until the matches say that no more can help.
+/// Steps that an earlier call, of the same images, finished in AttemptsFolder(work_dir) are not done again. Leaves the
+/// best sound model in work_dir/sparse/0 and, as work_dir/database.db, the features and matches it was made from;
+/// without a sound model the first set's. Throws ColmapFailure when the first set's features or matches fail; later
+/// failures only end their attempt.
 AttemptResult RunAttempts(const AttemptRequest& request, const Listener& listener);
 
 }  // namespace oraclegs

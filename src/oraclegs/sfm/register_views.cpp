@@ -22,6 +22,7 @@
 #include "oraclegs/sfm/pair_evidence.h"
 #include "oraclegs/sfm/pose_doubts.h"
 #include "oraclegs/sfm/registration_report.h"
+#include "oraclegs/sfm/tie_spheres.h"
 
 namespace oraclegs {
 namespace {
@@ -40,6 +41,10 @@ Distinct FindDistinct(const Scene& photos, const nlohmann::json& inputs) {
   Distinct distinct;
   std::map<std::string, std::vector<int>> by_sum;
   for (const int v : AllViews(photos)) {
+    if (photos.views[v].sphere) {  // its sphere is placed as a whole
+      distinct.views.push_back(v);
+      continue;
+    }
     std::vector<int>& alike = by_sum[inputs.at("images").at(static_cast<size_t>(v)).at("file").dump()];
     for (const int other : alike) {
       if (ReadFile(photos.views[other].image_path) != ReadFile(photos.views[v].image_path)) continue;
@@ -130,11 +135,18 @@ RegistrationReport Register(const Scene& photos, const Distinct& distinct, const
     request.names.push_back(plan[i].name);
     const double focal = photos.views[distinct.views[i]].focal_prior;
     if (focal > 0) request.focal_priors[plan[i].name] = focal;
+    if (photos.views[distinct.views[i]].sphere) {
+      request.spheres[plan[i].name] = photos.views[distinct.views[i]].sphere->name;
+    }
   }
+  request.known_cameras = request.spheres.size() == plan.size();
   AttemptResult result;
   try {
     request.has_masks = StageImages(photos, distinct.views, plan, work_dir);
     result = RunAttempts(request, listener);
+    if (IsSound(result.best) && TieSpheres(photos, distinct.views, plan, work_dir, listener)) {
+      result.best = MeasureModel(work_dir / "sparse" / "0");
+    }
   } catch (const ColmapFailure& failure) {
     throw RunError("{}; see {}", failure.Text(), (work_dir / "colmap.log").string());
   }
@@ -147,6 +159,10 @@ RegistrationReport Register(const Scene& photos, const Distinct& distinct, const
   }
   result.best.images = std::move(by_view_name);
   RegistrationReport report = MakeReport(GatherEvidence(photos, distinct, plan, work_dir), result);
+  for (size_t v = 0; v < report.views.size(); ++v) {  // plain sky needs no other photo of it
+    ViewReport& view = report.views[v];
+    if (photos.views[v].sphere && view.status == ViewStatus::kRegistered) view.advice.clear();
+  }
   if (report.registered() >= 2) {
     for (std::string& doubt : GatherDoubts(photos, distinct, plan, work_dir)) {
       report.warnings.push_back(std::move(doubt));

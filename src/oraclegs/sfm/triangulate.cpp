@@ -21,6 +21,7 @@
 #include "oraclegs/sfm/colmap_staging.h"
 #include "oraclegs/sfm/colmap_workspace.h"
 #include "oraclegs/sfm/database_file.h"
+#include "oraclegs/sfm/known_poses.h"
 
 namespace oraclegs {
 namespace {
@@ -93,17 +94,7 @@ void TakePoses(const Scene& scene, const std::vector<int>& views, const std::vec
 fs::path TriangulateMatches(const fs::path& work_dir, const ColmapRunner& colmap) {
   fs::path made = AttemptsFolder(work_dir) / "model";
   MakeFolder(made);
-  colmap.Run("point_triangulator",
-             {{"image_path", colmap.images().string()},
-              {"input_path", (AttemptsFolder(work_dir) / "poses").string()},
-              {"output_path", made.string()},
-              {"clear_points", "1"},
-              {"Mapper.tri_ignore_two_view_tracks", "0"},  // few images: most points are seen twice only
-              {"Mapper.ba_refine_focal_length", "0"},
-              {"Mapper.ba_refine_principal_point", "0"},
-              {"Mapper.ba_refine_extra_params", "0"},
-              {"Mapper.fix_existing_images", "1"}},
-             "triangulating");
+  TriangulateAtPoses(colmap, AttemptsFolder(work_dir) / "poses", made);
   return made;
 }
 

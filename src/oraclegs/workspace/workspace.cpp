@@ -17,10 +17,14 @@ namespace {
 namespace fs = std::filesystem;
 
 // All names that a run may leave at the top of its folder; --overwrite removes these and nothing else.
-constexpr const char* kOwnNames[] = {
-    "options.json", "split.json", "stages.json",    "metrics.json", "sfm",        "point_cloud.ply",   "checkpoints",
-    "renders",      "depth",      "exposures.json", "proposals",    "confidence", "oracle.json",       "live",
-    "train.csv",    "report",     "report.html",    "photos",       "masks",      "photo_checks.json", "frame.json"};
+constexpr const char* kOwnNames[] = {"options.json",   "split.json",  "stages.json",
+                                     "metrics.json",   "sfm",         "point_cloud.ply",
+                                     "checkpoints",    "renders",     "depth",
+                                     "exposures.json", "proposals",   "confidence",
+                                     "oracle.json",    "live",        "train.csv",
+                                     "report",         "report.html", "photos",
+                                     "faces",          "masks",       "photo_checks.json",
+                                     "frame.json"};
 
 // The programs of a run that was killed end within moments.
 constexpr std::chrono::milliseconds kPatience(2000);
@@ -149,7 +153,9 @@ void RequireOutsideScene(const fs::path& dir, const Scene& scene, const fs::path
   RequireOutsideScene(dir, scene.root);
   std::set<fs::path> folders;
   if (!images.empty()) folders.insert(scene.root / images);
-  for (const SceneView& view : scene.views) folders.insert(view.image_path.parent_path());
+  for (const SceneView& view : scene.views) {
+    folders.insert((view.sphere ? view.sphere->image_path : view.image_path).parent_path());
+  }
   for (const fs::path& folder : folders) RequireOutside(dir, folder, "the scene's image folder");
 }
 

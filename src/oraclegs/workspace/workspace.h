@@ -22,6 +22,7 @@ class WorkspacePaths {
 
   const std::filesystem::path& root() const { return root_; }
   std::filesystem::path photos() const { return root_ / "photos"; }  ///< photos imported from the user's paths
+  std::filesystem::path faces() const { return root_ / "faces"; }    ///< views that spherical photos were cut into
   std::filesystem::path photo_checks() const { return root_ / "photo_checks.json"; }
   std::filesystem::path options() const { return root_ / "options.json"; }  ///< scene and options of the run
   std::filesystem::path split() const { return root_ / "split.json"; }      ///< names of train and test views
