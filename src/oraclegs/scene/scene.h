@@ -28,6 +28,7 @@ enum class SceneFormat {
   kMetashape = 7,
   kRealityScan = 8,
   kPolycam = 9,
+  kRecord3d = 10,
 };
 
 /// Words for people: "COLMAP model", "photos without poses".
@@ -49,6 +50,9 @@ struct SceneView {
   std::optional<GpsPosition> gps;  ///< position from the EXIF of a plain folder
   bool as_stored = false;          ///< the camera describes the pixels as stored: the EXIF orientation is ignored
   DeclaredRole role = DeclaredRole::kNone;
+  std::filesystem::path depth_path = {};       ///< depth of a sensor (sensor_files.h); empty when there is none
+  std::filesystem::path confidence_path = {};  ///< of that depth; empty when there is none
+  double depth_unit = 1e-3;                    ///< scene units of a level of the depth file
 };
 
 struct ScenePoint {
