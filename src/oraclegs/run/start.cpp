@@ -286,7 +286,8 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
   }
   // Missing files that options ask for are an error before anything is written.
   const RunOptions options = WithNetworksAtHand(request.options, has_poses, listener);
-  Plan plan = MakePlan(options, has_poses);
+  Plan plan = MakePlan(options, has_poses, SensorDepthOf(scene));
+  if (plan.needs_depth && plan.depth.prior == DepthPrior::kSensor) CheckSensorFiles(scene);
   const nlohmann::json saved_size = SavedSize(request);
   const auto settle = [&] {
     RunOptions settled = SettleSize(options, scene, plan.device, saved_size, listener);
