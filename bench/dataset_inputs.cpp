@@ -5,6 +5,7 @@
 #include "oraclegs/datasets/metashape.h"
 #include "oraclegs/datasets/npy.h"
 #include "oraclegs/datasets/reality_scan.h"
+#include "oraclegs/datasets/record3d.h"
 #include "weights/checkpoint/torch_bytes.h"
 
 namespace oraclegs {
@@ -32,6 +33,11 @@ std::vector<ParserInput> DatasetInputs() {
   };
   const auto metashape = [](const std::string&) { ReadMetashapeScene(BenchFolder(), {}, Silent()); };
   const auto reality_scan = [](const std::string&) { ReadRealityScanScene(BenchFolder(), {}, Silent()); };
+  const auto record3d = [](const std::string&) {
+    RequireWritableFolder(BenchFolder() / "rgb");
+    ReplaceFile(BenchFolder() / "rgb/0.jpg", "");
+    ReadRecord3dScene(BenchFolder(), {}, Silent());
+  };
   const auto npy = [](const std::string& file) { ParseNpy(file, "f"); };
   return {
       {"npy", "rows",
@@ -75,6 +81,12 @@ std::vector<ParserInput> DatasetInputs() {
        metashape, "cameras.xml"},
       {"metashape", "deep nesting", [](size_t bytes) { return Xml(Repeated(bytes, [](size_t) { return "<group>"; })); },
        metashape, "cameras.xml"},
+      {"record3d", "poses",
+       [](size_t bytes) {
+         return R"({"K":[5,0,0,0,5,0,2,1.5,1],"w":4,"h":3,"poses":[)" +
+                Repeated(bytes, [](size_t) { return std::string("[0,0,0,1,1,2,3],"); }) + "[0,0,0,1,1,2,3]]}";
+       },
+       record3d, "metadata.json"},
       {"reality scan", "lines",
        [](size_t bytes) {
          return "#name,x,y,alt,heading,pitch,roll,f\n" +

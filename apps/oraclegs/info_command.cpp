@@ -53,9 +53,10 @@ std::string ShownItem(const std::string& key, const nlohmann::json& value) {
   return ShownValue(value);
 }
 
-/// True for a trouble counter that is zero; such lines are not printed.
+/// True for a counter that may be left out where it is zero; such lines are not printed.
 bool IsIdle(const std::string& key, const nlohmann::json& value) {
-  const bool counts_trouble = key == "masks" || key == "unreadable_images" || key == "missing_images";
+  const bool counts_trouble =
+      key == "masks" || key == "sensor_depth" || key == "unreadable_images" || key == "missing_images";
   return counts_trouble && (value == 0 || (value.is_array() && value.empty()));
 }
 

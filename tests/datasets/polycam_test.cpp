@@ -63,6 +63,22 @@ TEST_F(PolycamTest, LeavesOutImagesWithoutACamera) {
   EXPECT_THAT(events_.warnings, Contains(HasSubstr("has no pose for 1 photo and leaves it out: 001.png")));
 }
 
+TEST_F(PolycamTest, FindsDepthWithItsConfidence) {
+  WriteCameras(root() / "keyframes/cameras");
+  fs::rename(root() / "images", root() / "keyframes/images");
+  for (const char* name : {"depth/000.png", "depth/001.png", "confidence/001.png"}) {
+    WriteText(root() / "keyframes" / name, "not looked at");
+  }
+  const Scene scene = Read();
+  EXPECT_EQ(scene.views[0].depth_path, "") << "nobody knows what of it to trust";
+  EXPECT_EQ(scene.views[1].depth_path, root() / "keyframes/depth/001.png");
+  EXPECT_EQ(scene.views[1].confidence_path, root() / "keyframes/confidence/001.png");
+  EXPECT_EQ(scene.views[1].depth_unit, 1e-3);
+  EXPECT_EQ(scene.views[2].depth_path, "");
+  fs::remove_all(root() / "keyframes/confidence");
+  EXPECT_EQ(Read().views[0].depth_path, root() / "keyframes/depth/000.png") << "an export without any";
+}
+
 TEST_F(PolycamTest, SaysWhichCameraIsWrong) {
   fs::create_directories(root() / "confidence");
   WriteCameras(root() / "cameras");

@@ -61,6 +61,30 @@ TEST(WriteDemoScene, WritesTheKind) {
   EXPECT_EQ(ReadPng16(dir / "demo" / "depth" / "000.png").values.front(), 0);
 }
 
+TEST(WriteDemoScene, NamesDepthOfASensorAndNeverTheTruth) {
+  const TempDir dir;
+  DemoSceneOptions options = kTiny;
+  options.sensor = true;
+  WriteDemoScene(dir / "demo", options, Silent());
+  const nlohmann::json frame = Transforms(dir / "demo")["frames"][1];
+  EXPECT_EQ(frame["depth_file_path"], "sensor/001.png");
+  EXPECT_EQ(frame["confidence_file_path"], "sensor_confidence/001.png");
+  EXPECT_EQ(ReadPng16(dir / "demo" / "sensor/001.png").width, 24);
+  EXPECT_EQ(ReadImage(dir / "demo" / "sensor_confidence/001.png").height, 18);
+  WriteDemoScene(dir / "demo", kTiny, Silent());
+  EXPECT_FALSE(fs::exists(dir / "demo" / "sensor/001.png"));
+  EXPECT_FALSE(Transforms(dir / "demo")["frames"][1].contains("depth_file_path"));
+}
+
+TEST(WriteDemoScene, HasNoSensorForSpheres) {
+  const TempDir dir;
+  DemoSceneOptions options = kTiny;
+  options.sensor = true;
+  options.kind = DemoKind::kSpheres;
+  EXPECT_THROW(WriteDemoScene(dir / "demo", options, Silent()), UsageError);
+  EXPECT_FALSE(fs::exists(dir / "demo"));
+}
+
 TEST(WriteDemoScene, WritesRequestedPosesAndIntrinsics) {
   const TempDir dir;
   WriteDemoScene(dir / "demo", kTiny, Silent());

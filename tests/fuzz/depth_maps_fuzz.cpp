@@ -1,9 +1,10 @@
-// Depth maps of a workspace or of the user's own: depth_params.json, and the PNG of 16 bits where the bytes have a
-// second part.
+// Depth maps of a workspace, of the user's own or of a sensor: depth_params.json, and the PNG of 16 bits where the
+// bytes have a second part.
 
 #include "fuzz/fuzz.h"
 #include "oraclegs/depth/depth_files.h"
 #include "oraclegs/depth/given_depth.h"
+#include "oraclegs/depth/sensor_depth.h"
 #include "oraclegs/image/codecs.h"
 
 namespace {
@@ -31,4 +32,10 @@ ORACLEGS_FUZZ_TARGET(depth_maps) {
   const std::vector<std::string> names = {parts.size() > 1 ? "b.jpg" : "a.jpg"};
   fuzz::Try([&] { ReadDepthMaps(folder.path(), names, {camera}); });
   fuzz::Try([&] { ReadGivenDepth(folder.path(), names, {camera}, 1); });
+  SceneView view;
+  view.name = names[0];
+  view.intrinsics = {CameraModel::kPinhole, 4, 3, {4, 4, 2, 1.5}};
+  view.depth_path = folder.path() / (parts.size() > 1 ? "b.png" : "a.png");
+  view.confidence_path = folder.path() / "confidence/a.png";
+  fuzz::Try([&] { ReadSensorDepth(view, camera, 1); });
 }

@@ -91,6 +91,8 @@ void AddDatasets(const Corpus& corpus) {
   corpus.Add("polycam", "one",
              R"({"fx":5,"fy":5,"cx":2,"cy":1.5,"width":4,"height":3,"t_00":1,"t_01":0,"t_02":0,"t_03":1,"t_10":0,)"
              R"("t_11":1,"t_12":0,"t_13":2,"t_20":0,"t_21":0,"t_22":1,"t_23":3})");
+  corpus.Add("record3d", "two",
+             R"({"K":[5,0,0,0,5,0,2,1.5,1],"w":4,"h":3,"fps":60,"poses":[[0,0,0,1,0,0,0],[0,0.1,0,0.995,1,2,3]]})");
   corpus.Add("reality_scan", "two", RealityScanCsv(views, "0.1,0.2,0.3,0,0.01,0.02"));
 }
 

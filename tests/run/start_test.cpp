@@ -27,10 +27,9 @@ TEST_F(RunTest, WritesOptionsAndSplit) {
   EXPECT_EQ(run.split.train.size(), 4u);
   const auto split = nlohmann::json::parse(ReadFile(temp / "out" / "split.json"));
   EXPECT_EQ(split, SplitToJson(run.scene, run.split));
-  ASSERT_EQ(recorder.notes.size(), 3u);
-  EXPECT_THAT(recorder.notes[0], HasSubstr("depth_file_path"));
-  EXPECT_THAT(recorder.notes[1], HasSubstr("4 training views: "));
-  EXPECT_THAT(recorder.notes[2], HasSubstr("2 test views: "));
+  ASSERT_EQ(recorder.notes.size(), 2u);
+  EXPECT_THAT(recorder.notes[0], HasSubstr("4 training views: "));
+  EXPECT_THAT(recorder.notes[1], HasSubstr("2 test views: "));
 }
 
 TEST_F(RunTest, LeavesNoWorkspaceBehindBadInput) {

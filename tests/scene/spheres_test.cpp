@@ -73,6 +73,7 @@ TEST_F(SpheresTest, GiveWayToSixViews) {
   Add("in/a_up.png", 12, 10);
   scene_.views[0].mask_path = dir_ / "masks" / "a.png";
   scene_.views[0].mask_white = 7;
+  scene_.views[0].depth_path = scene_.views[0].confidence_path = dir_ / "depth.png";
   scene_.views[0].gps = GpsPosition{1, 2, 3};
   TakeAll();
   EXPECT_THAT(Names(), ElementsAre("b.png", "in/a_back.png", "in/a_down.png", "in/a_front.png", "in/a_left.png",
@@ -85,6 +86,7 @@ TEST_F(SpheresTest, GiveWayToSixViews) {
   EXPECT_EQ(down.sphere->mask_white, 7);
   EXPECT_EQ(down.image_path, dir_ / "faces" / "images" / "in/a_down.png");
   EXPECT_EQ(down.mask_path, dir_ / "faces" / "masks" / "in/a_down.png.png");
+  EXPECT_TRUE(down.depth_path.empty() && down.confidence_path.empty());
   EXPECT_EQ(down.mask_white, 255);
   EXPECT_EQ(down.focal_prior, FaceIntrinsics(200).fx());
   EXPECT_EQ(down.intrinsics.width, FaceIntrinsics(200).width);

@@ -128,13 +128,41 @@ TEST_F(TransformsTest, ReadsPathsOfAnotherMachine) {
   EXPECT_THAT(events_.notes, ElementsAre(HasSubstr("2 of 2 paths"), HasSubstr("1 of 1 path")));
 }
 
-TEST_F(TransformsTest, NamesWhatIsNotRead) {
-  WriteImage(root() / "a.png");
-  json a = Frame("a.png");
+TEST_F(TransformsTest, FindsDepthOfASensor) {
+  for (const char* name : {"a.png", "b.png", "c.png", "depth/a.png", "depth/b.png", "conf/b.png"}) {
+    WriteImage(root() / name);
+  }
+  json a = Frame("a.png"), b = Frame("b.png");
   a["depth_file_path"] = "depth/a.png";
-  Write({a});
-  Read();
-  EXPECT_THAT(events_.notes, ElementsAre(HasSubstr("names depth maps (depth_file_path), which are not read")));
+  b["depth_file_path"] = "D:\\scan\\depth\\b.png";
+  b["confidence_file_path"] = "conf/b.png";
+  b["depth_unit_scale_factor"] = 0.25;
+  Write({a, b, Frame("c.png")});
+  const Scene scene = Read();
+  EXPECT_EQ(scene.views[0].depth_path, root() / "depth/a.png");
+  EXPECT_EQ(scene.views[0].confidence_path, "");
+  EXPECT_EQ(scene.views[0].depth_unit, 1e-3) << "as Nerfstudio has it";
+  EXPECT_EQ(scene.views[1].depth_path, root() / "depth/b.png");
+  EXPECT_EQ(scene.views[1].confidence_path, root() / "conf/b.png");
+  EXPECT_EQ(scene.views[1].depth_unit, 0.25);
+  EXPECT_EQ(scene.views[2].depth_path, "");
+  EXPECT_THAT(events_.warnings, IsEmpty());
+}
+
+TEST_F(TransformsTest, SaysWhichDepthOfASensorIsNotUsed) {
+  for (const char* name : {"a.png", "b.png", "c.png", "depth/b.png", "depth/c.npy"}) WriteImage(root() / name);
+  json a = Frame("a.png"), b = Frame("b.png"), c = Frame("c.png");
+  a["depth_file_path"] = "depth/a.png";
+  b["depth_file_path"] = "depth/b.png";
+  b["confidence_file_path"] = "conf/b.png";
+  c["depth_file_path"] = "depth/c.npy";
+  Write({a, b, c});
+  for (const SceneView& view : Read().views) EXPECT_EQ(view.depth_path, "") << view.name;
+  EXPECT_THAT(events_.notes, ElementsAre(AllOf(HasSubstr("is no PNG"), HasSubstr("depth/c.npy"))));
+  EXPECT_THAT(events_.warnings, ElementsAre(AllOf(HasSubstr("2 files"), HasSubstr("depth/a.png, conf/b.png"))));
+  b["integer_depth_scale"] = 0;
+  Write({a, b, c});
+  EXPECT_THAT(ReadError(), AllOf(HasSubstr("frame 'b.png'"), HasSubstr("\"integer_depth_scale\" is 0; give")));
 }
 
 TEST_F(TransformsTest, FindsTheStartCloud) {

@@ -42,6 +42,21 @@ class WeightsTest : public testing::Test {
   std::string home_ = std::getenv("HOME") != nullptr ? std::getenv("HOME") : "";
 };
 
+TEST_F(WeightsTest, ASensorIsTakenWhereMostPhotosHaveOne) {
+  RunOptions options;
+  EXPECT_EQ(ChooseDepthSource(options, SensorDepth::kMost).prior, DepthPrior::kSensor);
+  EXPECT_EQ(ChooseDepthSource(options, SensorDepth::kSome).prior, DepthPrior::kStereo);
+  options.method.method = "fsgs";
+  EXPECT_EQ(ChooseDepthSource(options, SensorDepth::kMost).prior, DepthPrior::kStereo) << "other papers have none";
+  options.depth.depth_prior = DepthPrior::kSensor;
+  EXPECT_EQ(ChooseDepthSource(options, SensorDepth::kSome).prior, DepthPrior::kSensor);
+  EXPECT_FALSE(ChooseDepthSource(options, SensorDepth::kSome).HasNetwork());
+  EXPECT_THAT(MessageOf<InputError>([&] { ChooseDepthSource(options); }),
+              HasSubstr("--depth-prior sensor: no photo of the scene has a depth of a sensor"));
+  options.depth.depth_prior = DepthPrior::kStereo;
+  EXPECT_EQ(ChooseDepthSource(options, SensorDepth::kMost).prior, DepthPrior::kStereo);
+}
+
 TEST_F(WeightsTest, AreFoundInTheModelsFolder) {
   EXPECT_THAT(FindWeights("lpips-vgg", {}), IsEmpty());
   const fs::path b = Put("lpips-vgg/b.safetensors"), a = Put("lpips-vgg/a.safetensors");

@@ -68,6 +68,17 @@ void FillPolycamCamera(const fs::path& path, SceneView* view) {
   view->cam_from_world = ReadTransformsPose(read).cam_from_world;
 }
 
+/// Depth in millimeters that the phone measured, with its confidence. An export that has a folder of these has one for
+/// each depth that is whole.
+void AddPolycamDepth(const fs::path& folder, SceneView* view) {
+  const std::string name = view->image_path.stem().string() + ".png";
+  const fs::path depth = folder / "depth" / name, confidence = folder / "confidence" / name;
+  const bool has_confidence = IsFile(confidence);
+  if (!IsFile(depth) || (!has_confidence && IsFolder(folder / "confidence"))) return;
+  view->depth_path = depth;
+  if (has_confidence) view->confidence_path = confidence;
+}
+
 }  // namespace
 
 bool IsPolycamScene(const fs::path& root) { return FindPolycam(root).has_value(); }
@@ -87,6 +98,7 @@ Scene ReadPolycamScene(const fs::path& root, const SceneReadOptions& options, co
       continue;
     }
     FillPolycamCamera(camera, &view);
+    AddPolycamDepth(cameras.parent_path(), &view);
     views.push_back(std::move(view));
   }
   ReportUnplaced(cameras.string(), unplaced, listener);

@@ -14,6 +14,7 @@
 #include "oraclegs/datasets/point_file.h"
 #include "oraclegs/datasets/polycam.h"
 #include "oraclegs/datasets/reality_scan.h"
+#include "oraclegs/datasets/record3d.h"
 #include "oraclegs/scene/capture_layout.h"
 #include "oraclegs/scene/find_model.h"
 #include "oraclegs/scene/fit_cameras.h"
@@ -44,7 +45,9 @@ void RequireFolder(const fs::path& path, const char* fix) {
 void RequireInside(const Scene& scene, const fs::path& root, const SceneReadOptions& options) {
   if (options.allow_outside) return;
   std::vector<fs::path> named{scene.point_file};
-  for (const SceneView& view : scene.views) named.insert(named.end(), {view.image_path, view.mask_path});
+  for (const SceneView& view : scene.views) {
+    named.insert(named.end(), {view.image_path, view.mask_path, view.depth_path, view.confidence_path});
+  }
   for (const fs::path& path : named) {
     if (path.empty() || LiesIn(root, path)) continue;
     if (!options.images.empty() && LiesIn(root / options.images, path)) continue;
@@ -63,12 +66,11 @@ struct DatasetFormat {
 
 /// The format of a folder without a COLMAP model or JSON; null when it is none that is known.
 const DatasetFormat* FindDataset(const fs::path& root) {
-  static constexpr DatasetFormat kFormats[] = {{IsPolycamScene, ReadPolycamScene},
-                                               {IsLlffScene, ReadLlffScene},
-                                               {IsNeusScene, ReadNeusScene},
-                                               {IsMetashapeScene, ReadMetashapeScene},
-                                               {IsRealityScanScene, ReadRealityScanScene},
-                                               {IsBundlerScene, ReadBundlerScene}};
+  static constexpr DatasetFormat kFormats[] = {
+      {IsPolycamScene, ReadPolycamScene},     {IsRecord3dScene, ReadRecord3dScene},
+      {IsLlffScene, ReadLlffScene},           {IsNeusScene, ReadNeusScene},
+      {IsMetashapeScene, ReadMetashapeScene}, {IsRealityScanScene, ReadRealityScanScene},
+      {IsBundlerScene, ReadBundlerScene}};
   const auto* found = std::find_if(std::begin(kFormats), std::end(kFormats),
                                    [&](const DatasetFormat& format) { return format.is(root); });
   return found == std::end(kFormats) ? nullptr : found;

@@ -11,6 +11,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/demo/depth_sensor.h"
 #include "oraclegs/image/codecs.h"
 
 namespace oraclegs {
@@ -50,7 +51,7 @@ void ClaimFolder(const fs::path& dir, const DemoSceneOptions& options) {
   }
   RequireWritableFolder(dir);
   fs::remove(dir / "transforms.json", error);
-  for (const char* sub : {"images", "depth"}) {
+  for (const char* sub : {"images", "depth", "sensor", "sensor_confidence"}) {
     for (int i = 0; fs::remove(dir / sub / NumberedPng(i), error); ++i) continue;
   }
   nlohmann::json marker = OptionsToJson(options);
@@ -58,10 +59,23 @@ void ClaimFolder(const fs::path& dir, const DemoSceneOptions& options) {
   WriteFileAtomically(dir / kMarker, marker.dump(2) + "\n");
 }
 
+/// Writes what a sensor measures of a view, and names the files in its frame.
+void AddSensor(const fs::path& dir, const RayTracedView& view, int i, nlohmann::json* frame) {
+  const std::string depth = "sensor/" + NumberedPng(i), confidence = "sensor_confidence/" + NumberedPng(i);
+  const SensedDepth sensed = SenseDepth(view.depth, view.rgb.width, view.rgb.height, i);
+  WritePng16(dir / depth, sensed.width, sensed.height, sensed.depth);
+  WritePng(dir / confidence, sensed.confidence);
+  (*frame)["depth_file_path"] = depth;
+  (*frame)["confidence_file_path"] = confidence;
+}
+
 }  // namespace
 
 void WriteDemoScene(const fs::path& dir, const DemoSceneOptions& options, const Listener& listener) {
   CheckOptions(options);
+  if (options.sensor && options.kind == DemoKind::kSpheres) {
+    throw UsageError("--sensor: a depth sensor looks one way; take another --kind than spheres");
+  }
   ClaimFolder(dir, options);
   listener(StageStarted{kStage});
   const auto start = std::chrono::steady_clock::now();
@@ -75,8 +89,7 @@ void WriteDemoScene(const fs::path& dir, const DemoSceneOptions& options, const 
                           {"fl_x", focal},
                           {"fl_y", focal},
                           {"cx", .5 * options.width},
-                          {"cy", .5 * height},
-                          {"integer_depth_scale", .001}};
+                          {"cy", .5 * height}};
   for (int i = 0; i < options.views; ++i) {
     ThrowIfInterrupted();
     const RayCamera camera = DemoCamera(options.kind, i, options.views, options.width, height);
@@ -84,8 +97,9 @@ void WriteDemoScene(const fs::path& dir, const DemoSceneOptions& options, const 
     const std::string image = "images/" + NumberedPng(i), depth = "depth/" + NumberedPng(i);
     WritePng(dir / image, view.rgb);
     WritePng16(dir / depth, options.width, height, view.depth);
-    scene["frames"].push_back(
-        {{"file_path", image}, {"depth_file_path", depth}, {"transform_matrix", TransformMatrix(camera)}});
+    nlohmann::json frame = {{"file_path", image}, {"transform_matrix", TransformMatrix(camera)}};
+    if (options.sensor) AddSensor(dir, view, i, &frame);
+    scene["frames"].push_back(std::move(frame));
     listener(StepDone{kStage, i + 1, options.views, "views", ""});
   }
   // Written last, so that a folder with this file is a complete scene.

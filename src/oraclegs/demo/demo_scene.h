@@ -15,6 +15,7 @@ struct DemoSceneOptions {
   int height = 240;  ///< pixels
   int samples = 4;   ///< rays per pixel side (samples x samples)
   DemoKind kind = DemoKind::kRoom;
+  bool sensor = false;  ///< transforms.json names what a depth sensor would measure (depth_sensor.h)
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
@@ -28,13 +29,17 @@ struct DemoSceneOptions {
     visit("demo-views", self.views, "Images to render", Range{2, 1000});
     visit("width", self.width, "Pixels", Range{16, 8192});
     visit("height", self.height, "Pixels", Range{16, 8192});
+    visit("sensor", self.sensor,
+          "Also write what a depth sensor would measure: half the photos' size, noise of 5 mm where a unit is a meter, "
+          "holes, blurred edges, and its confidence");
     visit("samples", self.samples, "Rays per pixel side; n x n rays per pixel", Range{1, 16});
   }
 };
 
 /// Ray-traces a scene of a kind, with soft shadows, occlusions and one mirror ball, and writes
-/// dir/transforms.json (OpenGL axes, z up, the floor at z = 0), dir/images/NNN.png, dir/depth/NNN.png (16-bit depth
-/// along the optical axis at the pixel's center, in 1/1000 scene unit, 0 = none) and dir/demo_scene.json (the options).
+/// dir/transforms.json (OpenGL axes, z up, the floor at z = 0), dir/images/NNN.png, dir/depth/NNN.png (true depth
+/// along the optical axis at the pixel's center, 16 bits, in 1/1000 scene unit, 0 = none), which no file names,
+/// dir/demo_scene.json (the options), and with a sensor dir/sensor/NNN.png and dir/sensor_confidence/NNN.png.
 /// Writes the same bytes on every machine and for any number of threads. Throws RunError when `dir` cannot be written
 /// or is neither empty nor a former demo scene; of a former one only its numbered images are replaced.
 void WriteDemoScene(const std::filesystem::path& dir, const DemoSceneOptions& options, const Listener& listener);

@@ -132,6 +132,15 @@ float Nearest(const std::vector<KnownDepth>& known) {
 
 }  // namespace
 
+AllowedPixels PixelsWithDepth(const LoadedView& view, const Silhouettes& silhouettes, size_t v) {
+  AllowedPixels allowed = view.mask;
+  if (silhouettes.empty()) return allowed;
+  const std::vector<uint8_t>& object = silhouettes.Object(v);
+  if (allowed.empty()) return object;
+  for (size_t i = 0; i < allowed.size(); ++i) allowed[i] = allowed[i] != 0 && object[i] != 0 ? 1 : 0;
+  return allowed;
+}
+
 std::vector<KnownDepth> ConfidentDepths(const DepthMap& stereo) {
   std::vector<KnownDepth> known;
   for (const size_t i : ConfidentPixels(stereo, kMaxKnown)) {

@@ -7,6 +7,8 @@
 
 #include "oraclegs/depth/align.h"
 #include "oraclegs/depth/depth_map.h"
+#include "oraclegs/depth/silhouettes.h"
+#include "oraclegs/scene/loaded_view.h"
 
 namespace oraclegs {
 
@@ -24,6 +26,9 @@ struct MonocularDepth {
 
 /// Pixels in which a map may have depth, height * width, 1 = yes; empty = everywhere.
 using AllowedPixels = std::vector<uint8_t>;
+
+/// Pixels that a view's mask and its object's silhouette allow; empty = all.
+AllowedPixels PixelsWithDepth(const LoadedView& view, const Silhouettes& silhouettes, size_t v);
 
 /// The aligned map alone; `frame` gives name and camera. Its confidence is the fraction of `known` that it gets right.
 /// Depth is unknown beyond infinity and nearer than half the nearest known depth.

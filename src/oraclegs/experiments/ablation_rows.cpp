@@ -147,7 +147,9 @@ void RequireAblatable(const RunOptions& asked) {
   }
 }
 
-void RequireNetworksOfRows(const RunOptions& asked) { MakePlan(WithNetworksAtHand(asked, true, Silent()), true); }
+void RequireNetworksOfRows(const RunOptions& asked) {
+  MakePlan(WithNetworksAtHand(asked, true, Silent()), true, SensorDepth::kSome);  // of each scene, its run will know
+}
 
 std::vector<PublishedStep> PublishedSteps(int views) {
   if (views == 12) {

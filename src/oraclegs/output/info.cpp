@@ -13,6 +13,7 @@
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/scene.h"
+#include "oraclegs/scene/sensor_files.h"
 #include "oraclegs/stages/metrics.h"
 #include "oraclegs/train/checkpoint.h"
 #include "oraclegs/train/checkpoint_folder.h"
@@ -57,6 +58,7 @@ nlohmann::json DescribeScene(const fs::path& path, const Listener& listener) {
           {"sizes", sizes},
           {"points", scene.points.size()},
           {"masks", masks},
+          {"sensor_depth", CountSensorDepth(scene)},
           {"missing_images", scene.missing_images},
           {"unreadable_images", unreadable},
           {"poses", scene.HasPoses()}};

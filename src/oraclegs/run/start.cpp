@@ -219,10 +219,7 @@ void FindPosesAndSplit(Run* run, bool opened) {
   if (!run->photos.empty()) RunStage(run, "register");
   run->split = SplitOfRun(*run);
   EnterFrame(run, opened);
-  if (opened)
-    UseRefinedPoses(run);
-  else
-    TakeRefinedPoses(run);
+  opened ? UseRefinedPoses(run) : TakeRefinedPoses(run);
 }
 
 void SaveSplit(const Run& run) {
@@ -285,7 +282,8 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
   }
   // Missing files that options ask for are an error before anything is written.
   const RunOptions options = WithNetworksAtHand(request.options, has_poses, listener);
-  Plan plan = MakePlan(options, has_poses);
+  Plan plan = MakePlan(options, has_poses, SensorDepthOf(scene));
+  if (plan.needs_depth && plan.depth.prior == DepthPrior::kSensor) CheckSensorFiles(scene);
   const nlohmann::json saved_size = SavedSize(request);
   const auto settle = [&] {
     RunOptions settled = SettleSize(options, scene, plan.device, saved_size, listener);

@@ -84,6 +84,8 @@ const char* SceneFormatName(SceneFormat format) {
       return "RealityScan's cameras (CSV)";
     case SceneFormat::kPolycam:
       return "Polycam's raw export";
+    case SceneFormat::kRecord3d:
+      return "a capture of Record3D";
     case SceneFormat::kPhotos:
       break;
   }

@@ -29,6 +29,7 @@ enum class SceneFormat {
   kMetashape = 7,
   kRealityScan = 8,
   kPolycam = 9,
+  kRecord3d = 10,
 };
 
 /// Words for people: "COLMAP model", "photos without poses".
@@ -70,6 +71,9 @@ struct SceneView {
   DeclaredRole role = DeclaredRole::kNone;
   bool is_sphere = false;  ///< no pinhole camera's image, but an equirectangular one: not yet cut
   std::optional<SphereSource> sphere;
+  std::filesystem::path depth_path = {};       ///< depth of a sensor (sensor_files.h); empty when there is none
+  std::filesystem::path confidence_path = {};  ///< of that depth; empty when there is none
+  double depth_unit = 1e-3;                    ///< scene units of a level of the depth file
 };
 
 struct ScenePoint {

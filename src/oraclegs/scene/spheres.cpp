@@ -60,6 +60,8 @@ std::vector<SceneView> FacesOf(const SceneView& sphere, const fs::path& dir, std
     view.image_path = dir / "images" / view.name;
     view.mask_path = sphere.mask_path.empty() ? fs::path() : dir / "masks" / (view.name + ".png");
     view.mask_white = 255;
+    view.depth_path.clear();  // a sensor's depth of a whole sphere is not cut
+    view.confidence_path.clear();
     if (i > 0) view.gps.reset();  // one position, not six that agree
     view.intrinsics = camera;
     if (view.cam_from_world) {

@@ -61,22 +61,78 @@ SceneView MakeView(const TransformsFrame& frame, const std::string& written, con
   return view;
 }
 
-/// The masks that frames name. Those of missing files go to `missing`.
-void AddMasks(const NamedFilesQuery& masks, const std::vector<size_t>& view_of_mask, FileViews* result,
-              const Listener& listener) {
-  const std::vector<NamedFile> files = FindNamedFiles(masks, listener);
+/// Files that frames name, and the views that they are of.
+struct FrameFiles {
+  NamedFilesQuery query;
+  std::vector<size_t> views = {};
+
+  void Add(const std::string& written, size_t view) {
+    query.written.push_back(written);
+    views.push_back(view);
+  }
+};
+
+/// Those that exist become a member of their views; the others go to `missing`.
+void SetFiles(const FrameFiles& named, fs::path SceneView::*member, std::vector<std::string>* missing,
+              FileViews* result, const Listener& listener) {
+  const std::vector<NamedFile> files = FindNamedFiles(named.query, listener);
   for (size_t i = 0; i < files.size(); ++i) {
-    result->views[view_of_mask[i]].mask_path = files[i].path;
-    if (files[i].path.empty()) result->missing_masks.push_back(masks.written[i]);
+    result->views[named.views[i]].*member = files[i].path;
+    if (files[i].path.empty()) missing->push_back(named.query.written[i]);
   }
 }
 
-/// Depth maps that the file names are not read.
-void ReportUnread(const fs::path& path, const json& file, const Listener& listener) {
-  const json& first = file["frames"].front();
-  if (!first.is_object() || !first.contains("depth_file_path")) return;
-  listener(Note{fmt::format("{}: names depth maps (depth_file_path), which are not read; stereo makes them anew",
-                            path.string())});
+constexpr double kMillimeter = 1e-3;  // of a scene in meters: the depth unit where the file has none
+
+/// Scene units of a level of a frame's depth, by the key of Nerfstudio or of instant-ngp.
+double DepthUnitOf(const TransformsFrame& frame) {
+  for (const char* key : {"depth_unit_scale_factor", "integer_depth_scale"}) {
+    const auto unit = frame.FindNumber(key);
+    if (!unit) continue;
+    if (*unit > 0) return *unit;
+    throw InputError("{}: \"{}\" is {}; give the scene units of a level of the depth files, 0.001 for millimeters",
+                     frame.place, key, *unit);
+  }
+  return kMillimeter;
+}
+
+/// The frames' depth of a sensor, and its confidence, without which depth that has one is not to be trusted.
+void AddSensorFiles(const fs::path& path, const std::vector<NamedTransformsFrame>& frames, const NamedFilesQuery& empty,
+                    FileViews* result, const Listener& listener) {
+  FrameFiles depths{empty, {}}, confidences{empty, {}};
+  std::vector<std::string> unread, missing;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const TransformsFrame& frame = frames[i].frame;
+    const bool is_left_out = result->views[i].image_path.empty();
+    if (is_left_out || !frame.frame.contains("depth_file_path")) continue;
+    const std::string written = frame.FindText("depth_file_path").value_or("");
+    const fs::path extension = fs::path(written).extension();
+    if (extension != ".png" && extension != ".PNG") {
+      unread.push_back(written);
+      continue;
+    }
+    depths.Add(written, i);
+    result->views[i].depth_unit = DepthUnitOf(frame);
+    if (frame.frame.contains("confidence_file_path")) {
+      confidences.Add(frame.FindText("confidence_file_path").value_or(""), i);
+    }
+  }
+  SetFiles(depths, &SceneView::depth_path, &missing, result, listener);
+  SetFiles(confidences, &SceneView::confidence_path, &missing, result, listener);
+  for (const size_t i : confidences.views) {
+    SceneView& view = result->views[i];
+    if (view.depth_path.empty() || view.confidence_path.empty()) view.depth_path = view.confidence_path = fs::path();
+  }
+  if (!unread.empty()) {
+    listener(Note{fmt::format("{}: names depth that is no PNG and is not read: {}; write PNGs of 16 bits to use it",
+                              path.string(), OneLine(SomeNames(unread)))});
+  }
+  if (!missing.empty()) {
+    listener(
+        Warning{fmt::format("{}: {} of depth or its confidence do not exist, and the photos that name them have "
+                            "no depth of a sensor: {}",
+                            path.string(), Counted(missing.size(), "file"), OneLine(SomeNames(missing)))});
+  }
 }
 
 /// The start cloud that the file names, in the coordinates of its cameras; empty without.
@@ -95,7 +151,6 @@ FileViews ReadFrames(const fs::path& path, size_t min_parts, const SceneReadOpti
                      const Listener& listener) {
   const fs::path root = path.parent_path();
   const json file = ReadTransformsFile(path);
-  ReportUnread(path, file, listener);
   std::vector<NamedTransformsFrame> frames;
   for (const json& entry : file["frames"]) {
     frames.push_back(NamedFrame(file, entry, path, static_cast<int>(frames.size())));
@@ -112,18 +167,17 @@ FileViews ReadFrames(const fs::path& path, size_t min_parts, const SceneReadOpti
   const std::vector<NamedFile> files = FindNamedFiles(images, listener);
   FileViews result;
   result.point_file = PointFileOf(path, file, listener);
-  NamedFilesQuery masks{path.string(), root, {}, 2, options.allow_outside, true};
-  std::vector<size_t> view_of_mask;
+  FrameFiles masks{{path.string(), root, {}, 2, options.allow_outside, true}};
   for (size_t i = 0; i < frames.size(); ++i) {
     const TransformsFrame& frame = frames[i].frame;
     result.views.push_back(MakeView(frame, frames[i].file_path, files[i], &result.roundings));
     result.views.back().role = roles[i];
     if (const auto mask = frame.frame.contains("mask_path") ? frame.FindText("mask_path") : std::nullopt) {
-      masks.written.push_back(*mask);
-      view_of_mask.push_back(i);
+      masks.Add(*mask, i);
     }
   }
-  AddMasks(masks, view_of_mask, &result, listener);
+  SetFiles(masks, &SceneView::mask_path, &result.missing_masks, &result, listener);
+  AddSensorFiles(path, frames, {path.string(), root, {}, 2, options.allow_outside, false}, &result, listener);
   return result;
 }
 

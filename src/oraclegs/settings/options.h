@@ -56,12 +56,13 @@ struct EnumWords<SfmPoints> {
 };
 
 /// Source of the training views' depth.
-enum class DepthPrior { kMonocular, kStereo, kFused, kNone };
+enum class DepthPrior { kMonocular, kStereo, kFused, kNone, kSensor };
 template <>
 struct EnumWords<DepthPrior> {
   static constexpr EnumWord<DepthPrior> kWords[] = {{DepthPrior::kMonocular, "depth-anything"},
                                                     {DepthPrior::kStereo, "stereo"},
                                                     {DepthPrior::kFused, "fused"},
+                                                    {DepthPrior::kSensor, "sensor"},
                                                     {DepthPrior::kNone, "none"}};
 };
 
@@ -172,17 +173,16 @@ struct DepthOptions {
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("depth-prior", self.depth_prior,
-          "Where the photos' depth comes from: stereo; depth-anything = a network's prediction from each photo alone, "
-          "aligned to the sparse points; fused = stereo where it is confident, elsewhere the network's, warped to fit "
-          "stereo; auto = fused where the network's weights are, else stereo; none = no depth, which leaves a sparse "
-          "start and no proposals but a generator's");
+          "Source of the photos' depth: stereo; sensor = a sensor's, which the scene's files name, and stereo; "
+          "depth-anything = a network's of each photo, aligned to the sparse points; fused = stereo where confident, "
+          "else the network's, warped to fit; auto = sensor where half of the photos have one, fused where the "
+          "network's weights are, else stereo; none = no depth: a sparse start, only a generator's proposals");
     visit("depth-folder", self.depth_folder,
           "Folder of your own depth of the training views (docs/formats.md#depth-and-points-of-your-own)",
           Tier::kSetting);
-    visit(
-        "refine-poses", self.refine_poses,
-        "Correct the poses of the photos by what dense stereo sees: patches that lie beside their epipolar lines. on; "
-        "off; auto = where patches lie a quarter of a pixel beside them, or those of one photo half a pixel");
+    visit("refine-poses", self.refine_poses,
+          "Correct the photos' poses by what dense stereo sees, patches beside their epipolar lines; auto = where they "
+          "lie a quarter of a pixel beside them, or those of one photo half a pixel");
   }
 };
 

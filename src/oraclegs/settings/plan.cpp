@@ -115,7 +115,7 @@ void ReportOracleChoice(const RunOptions& options, const OracleChoice& choice, c
   }
 }
 
-Plan MakePlan(const RunOptions& options, bool has_poses) {
+Plan MakePlan(const RunOptions& options, bool has_poses, SensorDepth sensor) {
   Plan plan = MakePlanToEvaluate(options);
   plan.needs_depth = NeedsDepth(options);
   plan.proposes = ProposesViews(options);
@@ -123,7 +123,7 @@ Plan MakePlan(const RunOptions& options, bool has_poses) {
   if (!plan.needs_depth && !options.depth.depth_folder.empty()) {
     throw UsageError("--set depth-folder: nothing in this run uses depth; leave out --depth-prior none");
   }
-  if (plan.needs_depth) plan.depth = ChooseDepthSource(options);
+  if (plan.needs_depth) plan.depth = ChooseDepthSource(options, sensor);
   plan.refines_poses = RefinesPoses(options, plan);
   if (plan.has_proposals) plan.oracle = ChooseOracle(options);
   if (!has_poses && options.input.poses == PoseSource::kVggt) {

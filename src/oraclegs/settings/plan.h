@@ -68,10 +68,11 @@ struct Plan {
 /// are. Throws UsageError where poses shall be refined without stereo.
 bool RefinesPoses(const RunOptions& options, const Plan& plan);
 
-/// has_poses: the scene's cameras are known. On a CPU that --device cpu does not ask for, networks of the size of
-/// Stable Virtual Camera or VGGT take no part: --oracle auto does without. Throws InputError for weights that are asked
-/// for and missing, UsageError for a device that cannot be used and for such a network that is asked for.
-Plan MakePlan(const RunOptions& options, bool has_poses);
+/// has_poses: the scene's cameras are known; sensor: how many of its photos have a depth of a sensor. On a CPU that
+/// --device cpu does not ask for, networks of the size of Stable Virtual Camera or VGGT take no part: --oracle auto
+/// does without. Throws InputError for weights that are asked for and missing, UsageError for a device that cannot be
+/// used and for such a network that is asked for.
+Plan MakePlan(const RunOptions& options, bool has_poses, SensorDepth sensor = SensorDepth::kNone);
 
 /// Plan for a finished run that is only evaluated or rendered: device and LPIPS, no other network.
 Plan MakePlanToEvaluate(const RunOptions& options);

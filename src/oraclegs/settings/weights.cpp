@@ -65,10 +65,17 @@ fs::path FindKeypointWeights() {
   return files.size() == 1 && HasNetworksLibrary() ? files[0] : fs::path();
 }
 
-DepthSource ChooseDepthSource(const RunOptions& options) {
+DepthSource ChooseDepthSource(const RunOptions& options, SensorDepth sensor) {
   const Auto<DepthPrior>& asked = options.depth.depth_prior;
   if (!options.depth.depth_folder.empty()) return {DepthPrior::kStereo, {}};
   if (asked == DepthPrior::kNone || asked == DepthPrior::kStereo) return {asked.value(), {}};
+  if (asked == DepthPrior::kSensor && sensor == SensorDepth::kNone) {
+    throw InputError(
+        "--depth-prior sensor: no photo of the scene has a depth of a sensor; name depth in transforms.json "
+        "(depth_file_path) or export Polycam's raw data, or leave --depth-prior out");
+  }
+  const bool takes_sensor = asked.is_auto() && options.method.method.empty() && sensor == SensorDepth::kMost;
+  if (asked == DepthPrior::kSensor || takes_sensor) return {DepthPrior::kSensor, {}};
   const std::vector<fs::path> files = FindWeights(kDepthModel, options.weights.depth_weights);
   if (files.size() > 1) {
     throw InputError("{}: holds {} files, Depth Anything V2 has one; name one with --depth-weights",

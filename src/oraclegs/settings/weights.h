@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "oraclegs/core/safetensors.h"
+#include "oraclegs/scene/sensor_files.h"
 #include "oraclegs/settings/options.h"
 
 namespace oraclegs {
@@ -39,7 +40,8 @@ struct DepthSource {
   bool HasNetwork() const { return !weights.empty(); }
 };
 
-/// Source for --depth-prior. Throws InputError when it needs weights that are missing, or finds several files.
-DepthSource ChooseDepthSource(const RunOptions& options);
+/// Source for --depth-prior; auto takes the sensor of kMost. Throws InputError when it needs weights or a sensor's
+/// depth that are missing, or finds several files.
+DepthSource ChooseDepthSource(const RunOptions& options, SensorDepth sensor = SensorDepth::kNone);
 
 }  // namespace oraclegs

@@ -11,8 +11,11 @@
 #include "oraclegs/depth/gains.h"
 #include "oraclegs/depth/given_depth.h"
 #include "oraclegs/depth/overlap.h"
+#include "oraclegs/depth/sensor_depth.h"
+#include "oraclegs/depth/sensor_maps.h"
 #include "oraclegs/networks/networks.h"
 #include "oraclegs/scene/frame_comments.h"
+#include "oraclegs/scene/sensor_files.h"
 #include "oraclegs/stages/monocular_depth.h"
 #include "oraclegs/stages/stage_seconds.h"
 #include "oraclegs/stages/stereo_of_run.h"
@@ -22,6 +25,7 @@ namespace oraclegs {
 namespace {
 
 constexpr int kMonocularVersion = 2;         // likewise, of maps in which a network takes part
+constexpr int kSensorVersion = 1;            // likewise, of maps in which a sensor takes part
 constexpr int kDepthNetworkSide = 518;       // that Depth Anything reads of the shorter side
 constexpr size_t kMinDensePoints = 1000;     // fewer are joined by a network's, where there is one
 constexpr double kMinConfidentShare = 0.02;  // of a view's pixels, below which next to nothing is known
@@ -39,6 +43,21 @@ std::vector<std::string> NamesOf(const Run& run) {
   return names;
 }
 
+void AddSensorKey(const Run& run, Fingerprint* key) {
+  key->Add(kSensorVersion);
+  for (const int v : run.split.train) {
+    const SceneView& view = run.scene.views[static_cast<size_t>(v)];
+    key->Add(view.depth_unit);
+    for (const std::filesystem::path& file : {view.depth_path, view.confidence_path}) {
+      if (file.empty()) {
+        key->Add("none");
+      } else {
+        key->AddFile(file);
+      }
+    }
+  }
+}
+
 /// The device is no part of it, as of no stage's: it may differ when a run is continued, and depth that another device
 /// found is right in the same measure, if not in the same bits. The stage's record says which one it was.
 void AddDepthKey(Run* run, Fingerprint* key) {
@@ -52,6 +71,7 @@ void AddDepthKey(Run* run, Fingerprint* key) {
     key->Add(kMonocularVersion).Add(Word(source.prior)).Add(run->files.Of(source.weights));
     if (IsWhole(*run)) key->Add("whole");
   }
+  if (source.prior == DepthPrior::kSensor) AddSensorKey(*run, key);
 }
 
 std::vector<DepthMap> ReadBack(const Run& run, const std::vector<LoadedView>& views) {
@@ -88,8 +108,30 @@ void FitToViews(const std::vector<LoadedView>& views, std::vector<RelativeDepth>
   }
 }
 
-/// The maps as they will be written, and how often the network was right.
-MonocularMaps FindDepth(Run* run_, const TrainingViews& training) {
+/// The maps as they will be written.
+struct FoundDepth {
+  std::vector<DepthMap> maps;
+  double right = 0;            ///< how often the network was right
+  nlohmann::json sensor = {};  ///< what is known of the sensor's depth; null where none is used
+};
+
+nlohmann::json SensorRecord(const SensorMaps& combined, size_t of) {
+  const SensorFit& fit = combined.fit;
+  return {{"views", combined.views}, {"of", of},           {"checked", fit.checked},
+          {"scale", fit.scale},      {"right", fit.right}, {"used", combined.used}};
+}
+
+/// Says in a line what is recorded of a sensor.
+std::string DescribeSensor(const nlohmann::json& record) {
+  const int64_t views = CountIn(record, "views"), of = CountIn(record, "of");
+  if (views == 0) return fmt::format("depth of a sensor is used for none of {}", Counted(of, "photo"));
+  const std::string scale = CountIn(record, "checked") > 0 ? fmt::format("scale {:.4g}", record.value("scale", 1.0))
+                                                           : "its scale could not be checked";
+  return fmt::format("depth of a sensor for {} of {}; {}; used on {:.0f} % of the pixels", views, Counted(of, "photo"),
+                     scale, 100 * record.value("used", 0.0));
+}
+
+FoundDepth FindDepth(Run* run_, const TrainingViews& training) {
   const Run& run = *run_;
   const DepthSource& source = run.plan.depth;
   const std::vector<LoadedView>& views = training.views;
@@ -98,7 +140,13 @@ MonocularMaps FindDepth(Run* run_, const TrainingViews& training) {
                            WrittenFromRun(run.frame).scale),
             0};
   }
-  std::vector<RelativeDepth> predicted;  // first: a damaged file is reported at once
+  // First what is read: a damaged file is reported at once.
+  const bool has_sensor = source.prior == DepthPrior::kSensor;
+  std::vector<DepthMap> sensor;
+  if (has_sensor) {
+    sensor = ReadSensorMaps(run.scene, run.split.train, CamerasOf(views), WrittenFromRun(run.frame).scale);
+  }
+  std::vector<RelativeDepth> predicted;
   if (source.HasNetwork()) {
     const auto larger = LargerViews(run, kDepthNetworkSide);
     predicted = PredictRelativeDepth(source.weights, larger ? *larger : views, run.listener, run.plan.device);
@@ -106,8 +154,15 @@ MonocularMaps FindDepth(Run* run_, const TrainingViews& training) {
   }
   std::vector<DepthMap> maps = std::exchange(run_->results->stereo, {});
   if (source.prior != DepthPrior::kMonocular && maps.empty()) maps = StereoOf(run, views, "depth");
+  if (has_sensor) {
+    SensorMaps combined = CombineWithSensor({views, training.silhouettes, SeenByTrainingViews(run)}, sensor,
+                                            std::move(maps), run.listener);
+    return {std::move(combined.maps), 0, SensorRecord(combined, views.size())};
+  }
   if (!source.HasNetwork()) return {std::move(maps), 0};
-  return WithMonocularDepth({predicted, IsWhole(run)}, views, std::move(maps), SeenByTrainingViews(run), run.listener);
+  MonocularMaps of_network =
+      WithMonocularDepth({predicted, IsWhole(run)}, views, std::move(maps), SeenByTrainingViews(run), run.listener);
+  return {std::move(of_network.maps), of_network.right};
 }
 
 /// Mean over the views whose depth was looked for.
@@ -142,7 +197,7 @@ void UndoDepth(Run* run, const nlohmann::json&) {
 std::optional<nlohmann::json> MakeDepth(Run* run, const std::string&) {
   const DepthSource& source = run->plan.depth;
   const TrainingViews& training = ViewsOf(run);
-  MonocularMaps found = FindDepth(run, training);
+  FoundDepth found = FindDepth(run, training);
   std::vector<std::string> files = WriteDepthMaps(run->workspace.depth(), found.maps, WrittenFromRun(run->frame).scale);
   for (std::string& file : files) file = "depth/" + file;
   found.maps = {};  // they are read back
@@ -161,6 +216,7 @@ std::optional<nlohmann::json> MakeDepth(Run* run, const std::string&) {
                            {"device", run->plan.device.Name()},
                            {"network", nlohmann::json()},
                            {"files", std::move(files)}};
+  if (!found.sensor.is_null()) record["sensor"] = std::move(found.sensor);
   if (source.HasNetwork()) {
     record["network"] = DepthNetworkName(source.weights);
     if (IsNonCommercialDepthNetwork(record["network"])) NoteNonCommercial(record["network"], &record);
@@ -173,20 +229,25 @@ bool LoadDepth(Run* run) {
   return !run->results->geometry.maps.empty();
 }
 
-void ReportNetwork(const Run& run) {
+void ReportSource(const Run& run) {
   const DepthSource& source = run.plan.depth;
   if (source.HasNetwork()) {
     const double right = run.workspace.Record("depth").value("right", 0.0);
     run.listener(
         Note{fmt::format("{} ({}) is right to {:.0f} % on {:.0f} % of what it was tested on",
                          DepthNetworkName(source.weights), Word(source.prior), 100 * kRightWithin, 100 * right)});
+  } else if (source.prior == DepthPrior::kSensor) {
+    run.listener(Note{DescribeSensor(run.workspace.Record("depth").value("sensor", nlohmann::json::object()))});
   } else if (!run.options.depth.depth_folder.empty()) {
     run.listener(Note{fmt::format("depth is that of {}", run.options.depth.depth_folder.string())});
+  } else if (run.options.depth.depth_prior.is_auto() && SensorDepthOf(run.scene) == SensorDepth::kSome) {
+    run.listener(Note{fmt::format("{} of {} have a depth of a sensor, which is not used; --depth-prior sensor uses it",
+                                  CountSensorDepth(run.scene), Counted(run.scene.views.size(), "photo"))});
   }
 }
 
 void ReportDepth(Run* run) {
-  ReportNetwork(*run);
+  ReportSource(*run);
   const Geometry& geometry = run->results->geometry;
   std::vector<std::string> poor;
   for (const DepthMap& map : geometry.maps) {
@@ -232,7 +293,7 @@ void RequireDepth(Run* run) {
   }
   if (run->plan.needs_depth) return;
   run->plan.needs_depth = true;
-  run->plan.depth = ChooseDepthSource(run->options);
+  run->plan.depth = ChooseDepthSource(run->options, SensorDepthOf(run->scene));
   run->plan.refines_poses = RefinesPoses(run->options, run->plan);
 }
 

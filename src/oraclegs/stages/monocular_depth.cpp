@@ -8,15 +8,6 @@
 
 namespace oraclegs {
 
-AllowedPixels PixelsWithDepth(const LoadedView& view, const Silhouettes& silhouettes, size_t v) {
-  AllowedPixels allowed = view.mask;
-  if (silhouettes.empty()) return allowed;
-  const std::vector<uint8_t>& object = silhouettes.Object(v);
-  if (allowed.empty()) return object;
-  for (size_t i = 0; i < allowed.size(); ++i) allowed[i] = allowed[i] != 0 && object[i] != 0 ? 1 : 0;
-  return allowed;
-}
-
 std::vector<RelativeDepth> PredictRelativeDepth(const std::filesystem::path& weights,
                                                 const std::vector<LoadedView>& views, const Listener& listener,
                                                 Device device) {

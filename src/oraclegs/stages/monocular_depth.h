@@ -19,9 +19,6 @@ std::vector<RelativeDepth> PredictRelativeDepth(const std::filesystem::path& wei
                                                 const std::vector<LoadedView>& views, const Listener& listener,
                                                 Device device = kCpu);
 
-/// Pixels that a view's mask and its object's silhouette allow; empty = all.
-AllowedPixels PixelsWithDepth(const LoadedView& view, const Silhouettes& silhouettes, size_t v);
-
 /// By DepthNetworkName: "small" is Apache-2.0, "base" and "large" are CC-BY-NC-4.0 (docs/models.md).
 bool IsNonCommercialDepthNetwork(const std::string& name);
 
