@@ -54,7 +54,24 @@ def make_fisheye(scene, side, degrees=190):
         path = scene / frame["file_path"]
         path.write_bytes(fisheye_of(read_png(path), side, focal, degrees))
     transforms.update(camera_model="OPENCV_FISHEYE", w=side, h=side, fl_x=focal, fl_y=focal, cx=side / 2, cy=side / 2)
+    transforms["ply_file_path"] = "room.ply"
     (scene / "transforms.json").write_text(json.dumps(transforms))
+    (scene / "room.ply").write_text(ply_of_room())
+
+
+def ply_of_room(steps=18):
+    """Points on the walls, the floor and the ceiling of the demo's room."""
+    middle, half = (0, -0.7, 1.8), (3.6, 3.3, 1.8)
+    points = []
+    for axis in range(3):
+        for side in (-1, 1):
+            for i in range(steps):
+                for k in range(steps):
+                    place = [2 * (i + 0.5) / steps - 1, 2 * (k + 0.5) / steps - 1]
+                    place.insert(axis, side)
+                    points.append(" ".join(f"{middle[c] + half[c] * place[c]:.4f}" for c in range(3)))
+    head = "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+    return head.format(len(points)) + "\n".join(points) + "\n"
 
 
 class Spheres(EndToEnd):
@@ -91,7 +108,8 @@ class Spheres(EndToEnd):
         scene, out = self.copy_scene("fisheye"), self.dir / "fisheye_out"
         make_fisheye(scene, 120)
         before = files_below(scene)
-        done = self.run_program("reconstruct", scene, "-o", out, *SMALL_RUN)
+        from_points = [option if option != "random" else "sfm" for option in SMALL_RUN]
+        done = self.run_program("reconstruct", scene, "-o", out, *from_points, "--set", "sfm-points=model")
         self.assertIn("4 fisheye photos are cut into 20 views", done.stdout + done.stderr)
         self.assertEqual(files_below(scene), before, "input is never written to")
         split = json.loads((out / "split.json").read_text())
