@@ -41,8 +41,8 @@ enum class SphereFilter {
 };
 
 /// Image of what a pinhole camera sees in a photo of any size and number of channels: in one of the lens, whose
-/// intrinsics are scaled to it, or without one in an equirectangular image of 360 x 180 degrees. Pixels that
-/// the photo does not show are 0.
+/// intrinsics are scaled to it, or without one in an equirectangular image of 360 x 180 degrees. Pixels that the photo
+/// does not show are 0.
 Image8 CutFace(const Image8& photo, const std::optional<FisheyeLens>& lens, const Eigen::Matrix3d& face_from_sphere,
                const Intrinsics& face, SphereFilter filter);
 
