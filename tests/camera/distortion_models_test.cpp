@@ -77,6 +77,41 @@ TEST_P(EveryCameraModel, RefusesNonFiniteInput) {
   EXPECT_FALSE(Unproject(intrinsics, HUGE_VAL, 0).has_value());
 }
 
+TEST_P(EveryCameraModel, SeesDirectionsBesideAndBehindItWhereItIsAFisheye) {
+  const Intrinsics intrinsics = OneOfEach()[static_cast<size_t>(GetParam())];
+  const DistortionMap map(intrinsics);
+  const double end = map.EndOfFisheye();
+  double px = 0, py = 0;
+  if (end == 0) {
+    EXPECT_FALSE(map.ProjectDirection({0, 0, 1}, &px, &py));
+    EXPECT_FALSE(map.UnprojectDirection(kCx, kCy).has_value());
+    return;
+  }
+  EXPECT_GT(end, 1.6) << "the models here turn back late";
+  for (double angle = 0; angle < .9 * end; angle += .05) {
+    for (double turn = 0; turn < 6.28; turn += .3) {
+      const Eigen::Vector3d direction(std::sin(angle) * std::cos(turn), std::sin(angle) * std::sin(turn),
+                                      std::cos(angle));
+      ASSERT_TRUE(map.ProjectDirection(7 * direction, &px, &py)) << angle << " " << turn;
+      const auto back = map.UnprojectDirection(px, py);
+      ASSERT_TRUE(back.has_value()) << angle << " " << turn;
+      EXPECT_LT((*back - direction).norm(), 1e-9) << angle << " " << turn;
+      double px_back = 0, py_back = 0;
+      ASSERT_TRUE(map.ProjectDirection(*back, &px_back, &py_back));
+      EXPECT_LT(std::hypot(px_back - px, py_back - py), 1e-7);
+      if (direction.z() < .02) continue;
+      const auto flat = Project(intrinsics, direction.x() / direction.z(), direction.y() / direction.z());
+      ASSERT_TRUE(flat.has_value());
+      EXPECT_NEAR(flat->x(), px, 1e-9) << "as the ray is";
+      EXPECT_NEAR(flat->y(), py, 1e-9);
+    }
+  }
+  const double beyond = 1.01 * end;
+  EXPECT_FALSE(map.ProjectDirection({std::sin(beyond), 0, std::cos(beyond)}, &px, &py) && end < 3);
+  EXPECT_FALSE(map.ProjectDirection({0, 0, -1}, &px, &py));
+  EXPECT_FALSE(map.UnprojectDirection(std::nan(""), 0).has_value());
+}
+
 INSTANTIATE_TEST_SUITE_P(Models, EveryCameraModel, testing::Range(0, 11), [](const auto& info) {
   return std::string(CameraModelName(static_cast<CameraModel>(info.param)));
 });

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -67,7 +69,8 @@ TEST_F(CutSpheresTest, WritesImagesAndMasks) {
     files.insert(view.image_path);
     if (view.mask_path.empty()) continue;
     const Eigen::Matrix3d& turn = SphereFaces()[static_cast<size_t>(view.sphere->face)].face_from_sphere;
-    EXPECT_EQ(image.data, CutFace(photo, turn, FaceIntrinsics(128), SphereFilter::kBicubic).data) << view.name;
+    EXPECT_EQ(image.data, CutFace(photo, std::nullopt, turn, FaceIntrinsics(128), SphereFilter::kBicubic).data)
+        << view.name;
     const Image8 mask = ReadImage(view.mask_path);
     EXPECT_EQ(mask.width, image.width);
     const auto black = std::count(mask.data.begin(), mask.data.end(), 0);
@@ -81,6 +84,61 @@ TEST_F(CutSpheresTest, WritesImagesAndMasks) {
   EXPECT_EQ(json["spheres"][0]["faces"][2]["face_from_sphere"], nlohmann::json({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
   EXPECT_THAT(events_.started, ElementsAre("import"));
   EXPECT_FALSE(fs::exists(dir_ / ".oraclegs-faces.tmp"));
+}
+
+TEST_F(CutSpheresTest, MasksWhatAFisheyePhotoDoesNotShow) {
+  Image8 photo = SmoothImage(160, 160, 3), mask{80, 80, 1, std::vector<uint8_t>(80 * 80, 1)};
+  for (int y = 0; y < 160; ++y) {
+    for (int x = 0; x < 160; ++x) {
+      if (std::hypot(x - 79.5, y - 79.5) >= 79.5) std::fill_n(photo.data.begin() + 3 * (160 * y + x), 3, uint8_t{0});
+    }
+  }
+  std::fill_n(mask.data.begin() + 80 * 70, 80 * 10, uint8_t{0});  // the photographer, below
+  WritePng(dir_ / "scene/a.png", photo);
+  WritePng(dir_ / "scene/mask.png", mask);
+  const auto read = [&](double k1, bool with_mask) {
+    Scene scene;
+    scene.format = SceneFormat::kColmap;
+    scene.views.resize(1);
+    SceneView& view = scene.views[0];
+    view.name = "a.png", view.image_path = dir_ / "scene/a.png";
+    view.intrinsics = {CameraModel::kOpenCvFisheye, 160, 160, {48, 48, 80, 80, k1, 0, 0, 0}};
+    view.cam_from_world = Eigen::Isometry3d::Identity();
+    if (with_mask) view.mask_path = dir_ / "scene/mask.png", view.mask_white = 1;
+    TakeFaces(dir_ / "faces", Silent(), &scene);
+    CutSpheres(scene, dir_ / "faces", events_.AsListener());
+    return scene;
+  };
+  std::map<std::string, int64_t> kept;
+  for (const bool with_mask : {false, true}) {
+    for (const SceneView& view : read(0, with_mask).views) {
+      const Image8 image = ReadImage(view.image_path), shown = ReadImage(view.mask_path);
+      ASSERT_EQ(image.width, view.intrinsics.width);
+      ASSERT_EQ(shown.data.size(), image.data.size());
+      int64_t white = 0, black_kept = 0;
+      for (size_t i = 0; i < image.data.size(); i += 3) {
+        const bool is_kept = shown.data[i] == 255;
+        white += is_kept, black_kept += is_kept && image.data[i] + image.data[i + 1] + image.data[i + 2] < 30;
+      }
+      EXPECT_EQ(black_kept, 0) << view.name << ": no black corner is trained";
+      EXPECT_GT(white, 1000) << view.name;
+      if (with_mask) {
+        const bool is_beside = view.name != "a_up.png" && view.name != "a_front.png";  // he stands 72 degrees down
+        EXPECT_EQ(white < kept[view.name], is_beside) << view.name;
+      } else {
+        kept[view.name] = white;
+      }
+    }
+  }
+  EXPECT_THAT(kept, SizeIs(5));
+  const auto json = nlohmann::json::parse(ReadFile(dir_ / "faces/faces.json"))["spheres"][0];
+  EXPECT_EQ(json["lens"]["model"], "OPENCV_FISHEYE");
+  EXPECT_EQ(json["faces"][1]["camera"]["params"].size(), 4u);
+  EXPECT_THAT(events_.started, SizeIs(2));
+  read(0, true);
+  EXPECT_THAT(events_.started, SizeIs(2)) << "the same";
+  read(.01, true);
+  EXPECT_THAT(events_.started, SizeIs(3)) << "another lens";
 }
 
 TEST_F(CutSpheresTest, KeepsWhatIsWhole) {

@@ -7,6 +7,7 @@
 #include "oraclegs/core/user_command.h"
 #include "oraclegs/image/codecs.h"
 #include "oraclegs/image/read_image.h"
+#include "oraclegs/scene/masks.h"
 #include "support/errors.h"
 #include "support/event_recorder.h"
 #include "support/temp_dir.h"
@@ -69,6 +70,23 @@ TEST_F(MaskCommandTest, GivesThePhotosAndTakesTheMasks) {
   EXPECT_EQ(scene.views[0].mask_path, dir / "masks" / "left_a.png");
   EXPECT_EQ(ReadFile(scene.views[0].mask_path), ReadFile(dir / "good.png"));
   EXPECT_THAT(events.notes, testing::ElementsAre(HasSubstr("scaled to them"))) << "masks may be smaller";
+}
+
+TEST_F(MaskCommandTest, AddsToTheMaskThatAViewHas) {
+  Image8 own{8, 6, 1, std::vector<uint8_t>(48, 255)};
+  std::fill_n(own.data.begin() + 40, 8, uint8_t{0});  // a face of a fisheye photo, which shows nothing here
+  WritePng(dir / "own.png", own);
+  scene.views[0].mask_path = dir / "own.png";
+  for (const char* answer : {"good.png", "ones.png"}) {
+    Make(Answers(answer, answer));
+    Scene taken = scene;
+    TakeMasks(dir / "masks", events.AsListener(), &taken);
+    const Image8 mask = ReadMask(taken.views[0], 8, 6, Orientation::kUpright);
+    EXPECT_EQ(std::count(mask.data.begin(), mask.data.end(), 0), 9) << answer << ": its pixel and the row";
+    EXPECT_EQ(std::count(mask.data.begin() + 40, mask.data.end(), 0), 8);
+    const Image8 other = ReadMask(taken.views[1], 8, 6, Orientation::kUpright);
+    EXPECT_EQ(std::count(other.data.begin(), other.data.end(), 0), 1);
+  }
 }
 
 TEST_F(MaskCommandTest, GivesPhotosUprightUnlessTheirCamerasAreOfThePixelsAsStored) {

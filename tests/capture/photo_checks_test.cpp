@@ -120,6 +120,32 @@ TEST_F(PhotoChecksTest, KnowsSphericalImagesByTheirMetadata) {
   EXPECT_THAT(Check(), IsEmpty()) << "they are used as spheres";
 }
 
+/// Blocks in image circles side by side.
+Image8 Circles(int count, uint32_t seed) {
+  Image8 image = Blocks(240 * count, 240, seed);
+  for (int y = 0; y < 240; ++y) {
+    for (int x = 0; x < 240 * count; ++x) {
+      uint8_t* pixel = image.data.data() + 3 * (y * 240 * count + x);
+      const bool lit = std::hypot(x % 240 - 119.5, y - 119.5) < 118;
+      for (int c = 0; c < 3; ++c) pixel[c] = static_cast<uint8_t>(lit ? std::max<int>(pixel[c], 40) : 3);
+    }
+  }
+  return image;
+}
+
+TEST_F(PhotoChecksTest, KnowsImageCirclesOfFisheyeLenses) {
+  Add("one.jpg", Circles(1, 1));
+  Add("two.jpg", Circles(2, 1000003u));
+  Add("wide.jpg", Blocks(480, 240, 2000006u));
+  Add("photo.jpg", Blocks(240, 240, 3000009u));
+  EXPECT_THAT(Check(), ElementsAre(HasSubstr("wide.jpg: may be a spherical photo"),
+                                   AllOf(HasSubstr("one.jpg: is the image circle"), HasSubstr("OPENCV_FISHEYE")),
+                                   AllOf(HasSubstr("two.jpg: is two image circles"), HasSubstr("stitch them"))));
+  EXPECT_EQ(ReadSigns(dir_ / "two.jpg").circles, 2);
+  for (uint32_t i = 0; i < 2; ++i) Add(fmt::format("{}.jpg", i), Circles(2, 7 + i * 1000003u));
+  EXPECT_THAT(Check(), ::testing::Contains(HasSubstr(": are two image circles of fisheye lenses each")));
+}
+
 TEST_F(PhotoChecksTest, LeavesOutWhatCannotBeDecoded) {
   for (uint32_t i = 0; i < 4; ++i) Add(fmt::format("{}.jpg", i), Blocks(320, 240, i * 1000003u));
   std::filesystem::resize_file(dir_ / "1.jpg", std::filesystem::file_size(dir_ / "1.jpg") / 2);

@@ -1,10 +1,13 @@
 #include "oraclegs/scene/spheres.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "oraclegs/camera/sphere_faces.h"
+#include "oraclegs/image/codecs.h"
 #include "oraclegs/scene/photo_folder.h"
 #include "oraclegs/scene/split.h"
 #include "scene/tiny_scenes.h"
@@ -31,6 +34,26 @@ class SpheresTest : public ::testing::Test {
     WriteImage(view.image_path, width, height);
     std::ofstream(view.image_path, std::ios::app) << metadata;
     scene_.root = dir_.path();
+    scene_.views.push_back(std::move(view));
+  }
+  /// A posed photo of an equidistant lens whose image circle ends 95 degrees from the axis, black beyond.
+  void AddFisheye(const std::string& name, double focal = 60) {
+    SceneView view;
+    view.name = name;
+    view.image_path = dir_ / name;
+    view.intrinsics = {CameraModel::kOpenCvFisheye, 240, 240, {focal, focal, 120, 120, 0, 0, 0, 0}};
+    view.cam_from_world = Eigen::Isometry3d(Eigen::AngleAxisd(.3, Eigen::Vector3d(2, 1, 3).normalized()));
+    view.cam_from_world->pretranslate(Eigen::Vector3d(.3, .1, -.2));
+    Image8 image{240, 240, 3, {}};
+    for (int y = 0; y < 240; ++y) {
+      for (int x = 0; x < 240; ++x) {
+        const bool lit = std::hypot(x - 119.5, y - 119.5) < focal * 95 * std::numbers::pi / 180;
+        image.data.insert(image.data.end(), 3, lit ? 130 : 4);
+      }
+    }
+    WritePng(view.image_path, image);
+    scene_.root = dir_.path();
+    scene_.format = SceneFormat::kColmap;
     scene_.views.push_back(std::move(view));
   }
   std::vector<std::string> Spheres() const {
@@ -123,6 +146,61 @@ TEST_F(SpheresTest, FacesHaveTheirSpheresPose) {
     EXPECT_NEAR((SpherePixel(turn.transpose() * ray, 200, 100) - SpherePixel(in_sphere, 200, 100)).norm(), 0, 1e-9);
   }
   EXPECT_GE(seen, 1);
+}
+
+TEST_F(SpheresTest, OfFisheyePhotosAreTheFacesThatTheyFill) {
+  AddFisheye("b.png");
+  AddFisheye("a.png", 300);
+  AddFisheye("c.png", 300);
+  scene_.views[0].as_stored = true;
+  const SceneView photo = scene_.views[0];
+  const auto at = [&](double x, double y, double z) {
+    return photo.cam_from_world->inverse() * Eigen::Vector3d(x, y, z);
+  };
+  scene_.points = {{at(.3, .1, 2), {}, {0, 1}},
+                   {at(3, 0, .5), {}, {0}},
+                   {at(0, 0, 9), {}, {1, 2}},
+                   {at(-2, 1.9, .1), {}, {0, 2}},
+                   {at(0, 0, -3), {}, {0}}};
+  EXPECT_THAT(
+      MessageOf<InputError>([&] { RequireNoSpheres(scene_); }),
+      AllOf(HasSubstr("b.png: is a fisheye photo of more than 160 degrees"), HasSubstr("oraclegs reconstruct")));
+  TakeFaces(dir_ / "faces", events_.AsListener(), &scene_);
+  EXPECT_NO_THROW(RequireNoSpheres(scene_));
+  EXPECT_THAT(Names(),
+              ElementsAre("a.png", "b_down.png", "b_front.png", "b_left.png", "b_right.png", "b_up.png", "c.png"));
+  EXPECT_FALSE(scene_.views[0].sphere) << "23 degrees are no wide lens";
+  EXPECT_THAT(events_.notes, ElementsAre(HasSubstr("1 fisheye photo is cut into 5 views, of up to 100 x 100 degrees: "
+                                                   "they show 18")));
+  for (size_t i = 1; i < 6; ++i) {
+    const SceneView& view = scene_.views[i];
+    ASSERT_TRUE(view.sphere && view.sphere->lens);
+    EXPECT_EQ(view.sphere->lens->intrinsics.params, photo.intrinsics.params);
+    EXPECT_NEAR(view.sphere->lens->reach * 180 / std::numbers::pi, 94, .7) << "less a rim, and not to the corners";
+    EXPECT_TRUE(view.sphere->as_stored);
+    EXPECT_EQ(view.mask_path, dir_ / "faces/masks" / (view.name + ".png"));
+    const Eigen::Matrix3d& turn = SphereFaces()[static_cast<size_t>(view.sphere->face)].face_from_sphere;
+    EXPECT_LT((view.cam_from_world->matrix() - (Eigen::Isometry3d(turn) * *photo.cam_from_world).matrix()).norm(),
+              1e-15);
+  }
+  ASSERT_EQ(scene_.points.size(), 4u) << "without the one that no view shows";
+  EXPECT_THAT(scene_.points[0].views, ElementsAre(0, 2)) << "the flat photo has another number now";
+  EXPECT_THAT(scene_.points[1].views, ElementsAre(4)) << "80 degrees to the right";
+  EXPECT_THAT(scene_.points[2].views, ElementsAre(0, 6));
+  EXPECT_THAT(scene_.points[3].views, ElementsAre(1, 3, 6)) << "down and left";
+
+  SplitOptions options;
+  options.test_views = "b_up";
+  EXPECT_THAT(SplitViews(scene_, options).test, ElementsAre(1, 2, 3, 4, 5));
+}
+
+TEST_F(SpheresTest, OfAFisheyePhotoThatCannotBeReadReachAsFarAsItsModel) {
+  AddFisheye("a.png"), AddFisheye("b.png");
+  for (const char* name : {"a.png", "b.png"}) {
+    std::filesystem::resize_file(dir_ / name, std::filesystem::file_size(dir_ / name) / 2);
+  }
+  TakeFaces(dir_ / "faces", Silent(), &scene_);
+  EXPECT_NEAR(scene_.views[0].sphere->lens->reach, 2 * std::sqrt(2.), 1e-9);
 }
 
 TEST_F(SpheresTest, RefusesOthersThanWholeOnesAndTooMany) {

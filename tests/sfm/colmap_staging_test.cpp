@@ -26,7 +26,7 @@ TEST(PlanStaging, GivesTheFacesOfASphereOneNameAndAsManyCameras) {
   Scene scene = WriteTexturedPlanes(dir / "scene", 4);
   for (int v = 0; v < 4; ++v) {  // two faces each of "a b.jpg" and "a_b.tif"
     SceneView& view = scene.views[static_cast<size_t>(v)];
-    view.sphere = SphereSource{v < 2 ? "a b.jpg" : "a_b.tif", {}, {}, 255, v % 2};
+    view.sphere = SphereSource{v < 2 ? "a b.jpg" : "a_b.tif", {}, {}, 255, v % 2, {}};
   }
   const auto plan = PlanStaging(scene, {0, 1, 2, 3});
   EXPECT_EQ(plan[0].name, "camera0/a_b.png");

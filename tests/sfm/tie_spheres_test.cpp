@@ -129,8 +129,9 @@ TEST(TieSpheres, AllFacesOfASphereShareItsCenter) {
   for (const SceneView& view : scene.views) {
     const Image8& photo = photos[static_cast<size_t>(std::stoi(view.sphere->name))];
     std::filesystem::create_directories(view.image_path.parent_path());
-    WritePng(view.image_path, CutFace(photo, SphereFaces()[static_cast<size_t>(view.sphere->face)].face_from_sphere,
-                                      FaceIntrinsics(kWidth), SphereFilter::kBicubic));
+    WritePng(view.image_path,
+             CutFace(photo, std::nullopt, SphereFaces()[static_cast<size_t>(view.sphere->face)].face_from_sphere,
+                     FaceIntrinsics(kWidth), SphereFilter::kBicubic));
   }
   EventRecorder events;
   const Scene found = RegisterViews(scene, dir / "sfm", events.AsListener());

@@ -139,6 +139,7 @@ DistortionMap::DistortionMap(const Intrinsics& intrinsics)
   has_radial_ = has_denominator_ || std::any_of(n_.begin(), n_.end(), nonzero);
   has_tangential_ = p1_ != 0 || p2_ != 0 || sx_ != 0 || sy_ != 0;
   limit_ = has_radial_ ? TurningPoint({1, n_[0], n_[1], n_[2], n_[3]}, {1, d_[0], d_[1], d_[2]}) : kInfinity;
+  wide_limit_ = std::min(limit_, 4 * kHalfPi * kHalfPi);
   if (curve_ == Curve::kArcTangent) limit_ = std::min(limit_, kHalfPi * kHalfPi);
   if (curve_ == Curve::kFieldOfView) {
     limit_ = omega_ < 2 * kHalfPi ? kHalfPi * kHalfPi / (omega_ * omega_) : 0;  // a wider camera sees behind itself
@@ -188,10 +189,13 @@ bool DistortionMap::Project(double x, double y, double* px, double* py) const {
   const double r2 = x * x + y * y;
   const double scale = CurveScale(r2);
   const double s = r2 * scale * scale;
-  if (!(s < limit_)) return false;
-  double u = x * scale, v = y * scale;
+  return s < limit_ && ToPixel(x * scale, y * scale, s, px, py);
+}
+
+inline bool DistortionMap::ToPixel(double a, double b, double s, double* px, double* py) const {
+  double u = a, v = b;
   if (has_tangential_) {
-    const Distorted distorted = DistortedAt(u, v);
+    const Distorted distorted = DistortedAt(a, b);
     if (!(distorted.Determinant() > 0)) return false;  // here the image is folded back over itself
     u = distorted.u;
     v = distorted.v;
@@ -210,10 +214,17 @@ bool DistortionMap::Sees(double x, double y) const {
   return Project(x, y, &px, &py) && px >= 0 && px <= width_ && py >= 0 && py <= height_;
 }
 
+bool DistortionMap::ProjectDirection(const Eigen::Vector3d& direction, double* px, double* py) const {
+  const double across = std::hypot(direction.x(), direction.y()), angle = std::atan2(across, direction.z());
+  const double scale = across > 0 ? angle / across : 0, s = angle * angle;
+  return curve_ == Curve::kArcTangent && s < wide_limit_ &&
+         ToPixel(direction.x() * scale, direction.y() * scale, s, px, py);
+}
+
 /// m with m R(m^2) = wanted, by Newton's method inside a bracket that halves when a step leaves it.
-std::optional<double> DistortionMap::InverseRadial(double wanted) const {
+std::optional<double> DistortionMap::InverseRadial(double wanted, double limit) const {
   const auto value = [this](double m) { return m * RadialAt(m * m).factor; };
-  const double end = std::sqrt(std::min(limit_, kMaxSquaredRadius));
+  const double end = std::sqrt(std::min(limit, kMaxSquaredRadius));
   if (!has_radial_) return wanted < end ? std::optional(wanted) : std::nullopt;
   double low = 0, high = std::min(end, std::max(wanted, 1e-3));
   while (value(high) < wanted && high < end) high = std::min(2 * high, end);
@@ -233,7 +244,8 @@ std::optional<double> DistortionMap::InverseRadial(double wanted) const {
 }
 
 /// (a, b) that distorts to uv, by Newton's method with steps cut until the error falls; `start` is the radial solution.
-std::optional<Eigen::Vector2d> DistortionMap::InverseDistortion(const Eigen::Vector2d& uv, double start) const {
+std::optional<Eigen::Vector2d> DistortionMap::InverseDistortion(const Eigen::Vector2d& uv, double start,
+                                                                double limit) const {
   const double length = uv.norm();
   Eigen::Vector2d ab = length > 0 ? Eigen::Vector2d(uv * (start / length)) : Eigen::Vector2d::Zero();
   Distorted distorted = DistortedAt(ab.x(), ab.y());
@@ -248,7 +260,7 @@ std::optional<Eigen::Vector2d> DistortionMap::InverseDistortion(const Eigen::Vec
     Eigen::Vector2d next = ab;
     for (int i = 0; i < kMaxStepHalvings; ++i, cut /= 2) {
       next = ab - cut * move;
-      if (!(next.squaredNorm() < limit_)) continue;
+      if (!(next.squaredNorm() < limit)) continue;
       distorted = DistortedAt(next.x(), next.y());
       if (error_of(distorted).norm() < error.norm() && distorted.Determinant() > 0) break;
     }
@@ -256,28 +268,41 @@ std::optional<Eigen::Vector2d> DistortionMap::InverseDistortion(const Eigen::Vec
     ab = next;
   }
   distorted = DistortedAt(ab.x(), ab.y());
-  const bool found = error_of(distorted).norm() <= 100 * kMaxResidual * (1 + length) && ab.squaredNorm() < limit_ &&
+  const bool found = error_of(distorted).norm() <= 100 * kMaxResidual * (1 + length) && ab.squaredNorm() < limit &&
                      distorted.Determinant() > 0;
   return found ? std::optional(ab) : std::nullopt;
 }
 
-std::optional<Eigen::Vector2d> DistortionMap::Unproject(double px, double py) const {
+std::optional<Eigen::Vector2d> DistortionMap::FromPixel(double px, double py, double limit) const {
   const Eigen::Vector2d uv((px - cx_) / fx_, (py - cy_) / fy_);
   const double length = uv.norm();
   if (!std::isfinite(length)) return std::nullopt;
-  const std::optional<double> radial = InverseRadial(length);
+  const std::optional<double> radial = InverseRadial(length, limit);
   Eigen::Vector2d ab = uv;
   if (has_tangential_) {
     // Tangential terms reach pixels a little beyond the end of the radial part.
-    const double start = radial.value_or(0.9 * std::sqrt(std::min(limit_, kMaxSquaredRadius)));
-    const auto inverse = InverseDistortion(uv, start);
+    const double start = radial.value_or(0.9 * std::sqrt(std::min(limit, kMaxSquaredRadius)));
+    const auto inverse = InverseDistortion(uv, start, limit);
     if (!inverse) return std::nullopt;
     ab = *inverse;
   } else {
-    if (!radial || !(*radial * *radial < limit_)) return std::nullopt;
+    if (!radial || !(*radial * *radial < limit)) return std::nullopt;
     if (length > 0) ab = uv * (*radial / length);
   }
-  const Eigen::Vector2d ray = ab * CurveInverse(ab.norm());
+  return ab;
+}
+
+std::optional<Eigen::Vector3d> DistortionMap::UnprojectDirection(double px, double py) const {
+  const auto ab = curve_ == Curve::kArcTangent ? FromPixel(px, py, wide_limit_) : std::nullopt;
+  if (!ab) return std::nullopt;
+  const double angle = ab->norm(), scale = angle > 0 ? std::sin(angle) / angle : 1;
+  return Eigen::Vector3d(ab->x() * scale, ab->y() * scale, std::cos(angle));
+}
+
+std::optional<Eigen::Vector2d> DistortionMap::Unproject(double px, double py) const {
+  const auto ab = FromPixel(px, py, limit_);
+  if (!ab) return std::nullopt;
+  const Eigen::Vector2d ray = *ab * CurveInverse(ab->norm());
   return ray.allFinite() ? std::optional(ray) : std::nullopt;
 }
 

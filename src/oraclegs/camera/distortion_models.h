@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "oraclegs/camera/intrinsics.h"
@@ -28,6 +29,13 @@ class DistortionMap {
   /// Ray of a pixel; nullopt when no ray falls on it.
   std::optional<Eigen::Vector2d> Unproject(double px, double py) const;
 
+  /// Radians from the axis at which a fisheye model ends: where it turns back, else pi. 0 for the other models.
+  double EndOfFisheye() const { return curve_ == Curve::kArcTangent ? std::sqrt(wide_limit_) : 0; }
+  /// Pixel of a direction (not zero), of a fisheye model: also of those 90 degrees and more from the axis.
+  bool ProjectDirection(const Eigen::Vector3d& direction, double* px, double* py) const;
+  /// Direction of a pixel of a fisheye model, of length 1; nullopt when none falls on it.
+  std::optional<Eigen::Vector3d> UnprojectDirection(double px, double py) const;
+
  private:
   enum class Curve { kIdentity, kArcTangent, kFieldOfView };
 
@@ -40,12 +48,15 @@ class DistortionMap {
     double Determinant() const { return du_da * dv_db - du_db * dv_da; }
   };
 
-  double CurveScale(double r2) const;   ///< m(r) / r
-  double CurveInverse(double m) const;  ///< r / m(r)
+  bool ToPixel(double a, double b, double s, double* px, double* py) const;  ///< of a ray that was moved to (a, b)
+  double CurveScale(double r2) const;                                        ///< m(r) / r
+  double CurveInverse(double m) const;                                       ///< r / m(r)
   Radial RadialAt(double s) const;
   Distorted DistortedAt(double a, double b) const;
-  std::optional<double> InverseRadial(double wanted) const;
-  std::optional<Eigen::Vector2d> InverseDistortion(const Eigen::Vector2d& uv, double start) const;
+  /// The inverses, below the limit of s.
+  std::optional<double> InverseRadial(double wanted, double limit) const;
+  std::optional<Eigen::Vector2d> InverseDistortion(const Eigen::Vector2d& uv, double start, double limit) const;
+  std::optional<Eigen::Vector2d> FromPixel(double px, double py, double limit) const;  ///< (a, b)
 
   Curve curve_ = Curve::kIdentity;
   int width_, height_;
@@ -56,7 +67,8 @@ class DistortionMap {
   std::array<double, 3> d_{};  ///< denominator of R
   double p1_ = 0, p2_ = 0, sx_ = 0, sy_ = 0;
   bool has_radial_ = false, has_denominator_ = false, has_tangential_ = false;
-  double limit_ = 0;  ///< s of a ray that is seen is below this
+  double limit_ = 0;       ///< s of a ray that is seen is below this
+  double wide_limit_ = 0;  ///< that of a direction
 };
 
 /// Pixel of the ray (x, y, 1), in pixels from the top-left corner; nullopt where the camera cannot see the ray.

@@ -1,16 +1,19 @@
 #pragma once
-// Pinhole views that are cut out of a spherical image: the six faces of a cube, each a little larger than its side.
+// Pinhole views that are cut out of a photo of what is around it, a spherical or a fisheye one: the six faces of a
+// cube, each a little larger than its side.
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 
+#include "oraclegs/camera/fisheye_lens.h"
 #include "oraclegs/camera/intrinsics.h"
 #include "oraclegs/image/image.h"
 
 namespace oraclegs {
 
 /// A direction that a face looks in. A sphere's frame is that of a camera which looks at the middle of the
-/// equirectangular image: x right, y down, z forward.
+/// equirectangular image, and a fisheye photo's that of its own: x right, y down, z forward.
 struct SphereFace {
   const char* name;                  ///< "front"
   Eigen::Matrix3d face_from_sphere;  ///< a rotation
@@ -28,15 +31,20 @@ inline constexpr double kFaceDegrees = 100;
 /// of the image's equator.
 Intrinsics FaceIntrinsics(int width);
 
+/// The pinhole camera of a face of a fisheye photo: of kFaceDegrees, less what the photo does not show; in its middle a
+/// pixel is one of the photo's middle. nullopt, but of the front, where the photo shows little that is not there.
+std::optional<Intrinsics> FaceIntrinsics(const FisheyeLens& lens, const SphereFace& face);
+
 enum class SphereFilter {
   kBicubic,  ///< for colors [Keys 1981]
   kNearest,  ///< for masks
 };
 
-/// An image of what a pinhole camera sees in an equirectangular image of 360 x 180 degrees, of any size and number of
-/// channels.
-Image8 CutFace(const Image8& sphere, const Eigen::Matrix3d& face_from_sphere, const Intrinsics& face,
-               SphereFilter filter);
+/// Image of what a pinhole camera sees in a photo of any size and number of channels: in one of the lens, whose
+/// intrinsics are scaled to it, or without one in an equirectangular image of 360 x 180 degrees. Pixels that the photo
+/// does not show are 0.
+Image8 CutFace(const Image8& photo, const std::optional<FisheyeLens>& lens, const Eigen::Matrix3d& face_from_sphere,
+               const Intrinsics& face, SphereFilter filter);
 
 /// Where an equirectangular image shows a direction (of any length, not zero) of the sphere's frame, in pixels.
 Eigen::Vector2d SpherePixel(const Eigen::Vector3d& direction, int width, int height);

@@ -15,6 +15,7 @@
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/image/codecs.h"
 #include "oraclegs/image/read_image.h"
+#include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/scene/masks.h"
 #include "oraclegs/scene/spheres.h"
 
@@ -40,6 +41,13 @@ json RotationJson(const Eigen::Matrix3d& rotation) {
   return rows;
 }
 
+json CameraJson(const Intrinsics& camera) {
+  return {{"model", CameraModelName(camera.model)},
+          {"width", camera.width},
+          {"height", camera.height},
+          {"params", camera.params}};
+}
+
 /// The views of each sphere.
 std::vector<std::vector<const SceneView*>> Spheres(const Scene& scene) {
   std::vector<std::vector<const SceneView*>> spheres;
@@ -59,14 +67,20 @@ json Describe(const std::vector<std::vector<const SceneView*>>& spheres) {
     for (const SceneView* view : views) {
       const SphereFace& face = SphereFaces()[static_cast<size_t>(view->sphere->face)];
       faces.push_back({{"image", view->name}, {"face_from_sphere", RotationJson(face.face_from_sphere)}});
+      if (source.lens) faces.back()["camera"] = CameraJson(view->intrinsics);
     }
     out.push_back({{"photo", source.name},
                    {"file", DigestJson(source.image_path)},
                    {"mask", DigestJson(source.mask_path)},
                    {"mask_white", source.mask_white},
-                   {"side", views.front()->intrinsics.width},
                    {"degrees", kFaceDegrees},
                    {"faces", faces}});
+    if (source.lens) {
+      out.back()["lens"] = CameraJson(source.lens->intrinsics);
+      out.back()["reach"] = source.lens->reach;
+    } else {
+      out.back()["side"] = views.front()->intrinsics.width;
+    }
   }
   return {{"format", 1}, {"spheres", out}};
 }
@@ -95,23 +109,48 @@ void WriteImage(const fs::path& path, const Image8& image) {
   }
 }
 
-/// Writes the faces of one sphere below `half`, which becomes `dir`.
+/// The photo that views were cut from, as it was itself a view.
+SceneView PhotoOf(const SphereSource& source) {
+  SceneView photo;
+  photo.name = source.name;
+  photo.image_path = source.image_path;
+  photo.mask_path = source.mask_path;
+  photo.mask_white = source.mask_white;
+  photo.as_stored = source.as_stored;
+  return photo;
+}
+
+/// How a fisheye photo fits its lens.
+Orientation OrientationOf(const SceneView& photo, const Intrinsics& lens) {
+  const auto orientation = FittingOrientation(photo, photo.image_path, lens.width, lens.height);
+  if (orientation) return *orientation;
+  throw InputError(
+      "{}: has another size than its camera, which was made for {} x {}; use the photos the poses were made "
+      "from",
+      photo.image_path.string(), lens.width, lens.height);
+}
+
+/// Writes the faces of one sphere or fisheye photo below `half`, which becomes `dir`.
 void Cut(const std::vector<const SceneView*>& views, const fs::path& dir, const fs::path& half) {
   const SphereSource& source = *views.front()->sphere;
-  const Image8 photo = ReadImage(source.image_path);
-  SceneView sphere;
-  sphere.name = source.name;
-  sphere.image_path = source.image_path;
-  sphere.mask_path = source.mask_path;
-  sphere.mask_white = source.mask_white;
-  const Image8 mask =
-      source.mask_path.empty() ? Image8() : ReadMask(sphere, photo.width, photo.height, Orientation::kUpright);
+  const SceneView sphere = PhotoOf(source);
+  const Orientation orientation = source.lens ? OrientationOf(sphere, source.lens->intrinsics) : Orientation::kUpright;
+  const Image8 photo = ReadImage(source.image_path, orientation);
+  Image8 mask;
+  if (!source.mask_path.empty()) {
+    mask = ReadMask(sphere, photo.width, photo.height, orientation);
+  } else if (source.lens) {  // of what it shows
+    mask = {photo.width, photo.height, 1,
+            std::vector<uint8_t>(photo.data.size() / static_cast<size_t>(photo.channels), 255)};
+  }
   for (const SceneView* view : views) {
     const Eigen::Matrix3d& turn = SphereFaces()[static_cast<size_t>(view->sphere->face)].face_from_sphere;
-    const Intrinsics camera = FaceIntrinsics(photo.width);
-    WriteImage(half / view->image_path.lexically_relative(dir), CutFace(photo, turn, camera, SphereFilter::kBicubic));
+    const Intrinsics camera = source.lens ? view->intrinsics : FaceIntrinsics(photo.width);
+    WriteImage(half / view->image_path.lexically_relative(dir),
+               CutFace(photo, source.lens, turn, camera, SphereFilter::kBicubic));
     if (view->mask_path.empty()) continue;
-    WriteImage(half / view->mask_path.lexically_relative(dir), CutFace(mask, turn, camera, SphereFilter::kNearest));
+    WriteImage(half / view->mask_path.lexically_relative(dir),
+               CutFace(mask, source.lens, turn, camera, SphereFilter::kNearest));
   }
 }
 
@@ -131,7 +170,7 @@ void CutSpheres(const Scene& scene, const fs::path& dir, const Listener& listene
     for (size_t i = 0; i < spheres.size(); ++i) {
       ThrowIfInterrupted();
       Cut(spheres[i], dir, half);
-      listener(StepDone{"import", static_cast<int64_t>(i) + 1, std::ssize(spheres), "spheres", ""});
+      listener(StepDone{"import", static_cast<int64_t>(i) + 1, std::ssize(spheres), "photos", ""});
     }
     WriteFileAtomically(half / kFacesFile, wanted.dump(1) + "\n");
   } catch (...) {

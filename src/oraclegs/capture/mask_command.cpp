@@ -43,6 +43,20 @@ size_t CountFiles(const std::vector<fs::path>& files) {
   return static_cast<size_t>(std::count_if(files.begin(), files.end(), IsFile));
 }
 
+/// The answer, less what the view has no pixels of: that it has a mask of its own (scene/spheres.h).
+void StoreBoth(const SceneView& answered, const SceneView& view, const fs::path& to) {
+  const Image8 own = ReadMask(view, view.intrinsics.width, view.intrinsics.height, Orientation::kUpright);
+  Image8 both = ReadMask(answered, own.width, own.height, Orientation::kUpright);
+  for (int64_t y = 0, i = 0; y < both.height; ++y) {
+    for (int64_t x = 0; x < both.width; ++x, ++i) {
+      const int64_t at = y * own.height / both.height * own.width + x * own.width / both.width;
+      uint8_t& level = both.data[static_cast<size_t>(i)];
+      level = std::min(level, own.data[static_cast<size_t>(at)]) > 0 ? answered.mask_white : uint8_t{0};
+    }
+  }
+  WritePng(to, both);
+}
+
 }  // namespace
 
 void MakeMasks(const MaskRun& run, const Scene& scene, const Listener& listener) {
@@ -64,6 +78,10 @@ void MakeMasks(const MaskRun& run, const Scene& scene, const Listener& listener)
   const std::vector<fs::path> stored = MaskFiles(run.root, scene);
   for (size_t v = 0; v < answers.size(); ++v) {
     std::error_code error;
+    if (!scene.views[v].mask_path.empty()) {
+      StoreBoth(answered.views[v], scene.views[v], stored[v]);
+      continue;
+    }
     fs::rename(answers[v], stored[v], error);
     if (error) throw RunError("{}: cannot be written: {}", stored[v].string(), SystemReason(error));
   }

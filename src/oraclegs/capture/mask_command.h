@@ -16,9 +16,9 @@ struct MaskRun {
 };
 
 /// Writes the photos of all views as the run reads them, at full size and upright, runs the command (RunUserCommand) in
-/// root/command, and stores its answers as root/NAME.png. Reports them as StepDone{"masks"}. Throws InputError for
-/// photos that it did not answer for, which names how many and the first, and as CheckMasks; RunError as
-/// RunUserCommand.
+/// root/command, and stores its answers as root/NAME.png, less what the mask of a view excludes. Reports them as
+/// StepDone{"masks"}. Throws InputError for photos that it did not answer for, which names how many and the first, and
+/// as CheckMasks; RunError as RunUserCommand.
 void MakeMasks(const MaskRun& run, const Scene& scene, const Listener& listener);
 
 /// Gives each view its mask of MakeMasks and checks them (CheckMasks). Throws InputError for one that is missing.

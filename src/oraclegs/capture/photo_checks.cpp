@@ -59,6 +59,30 @@ void AddBorder(const Image8& gray, PhotoSigns* signs) {
   signs->bright_border = static_cast<double>(bright) / static_cast<double>(pixels);
 }
 
+/// PhotoSigns::circles: beyond them all is black, and near their ends it is not, as it is around an object before
+/// black.
+int ImageCircles(const Image8& gray) {
+  constexpr int kNoLight = 16;
+  constexpr double kBeyond = 1.04, kRingBegin = .7, kRingEnd = .85;  // of the radius
+  for (const int circles : {1, 2}) {
+    const double width = static_cast<double>(gray.width) / circles, radius = std::min<double>(width, gray.height) / 2;
+    int64_t beyond = 0, black = 0, ring = 0, lit = 0;
+    for (int y = 0; y < gray.height; ++y) {
+      for (int x = 0; x < gray.width; ++x) {
+        const double away = std::hypot(std::fmod(x + .5, width) - width / 2, y + .5 - gray.height / 2.) / radius;
+        const uint8_t level =
+            gray.data[static_cast<size_t>(y) * static_cast<size_t>(gray.width) + static_cast<size_t>(x)];
+        if (away > kBeyond) ++beyond, black += level <= kNoLight;
+        if (away > kRingBegin && away < kRingEnd) ++ring, lit += level > kNoLight;
+      }
+    }
+    if (beyond > 0 && black >= .98 * static_cast<double>(beyond) && lit >= .6 * static_cast<double>(ring)) {
+      return circles;
+    }
+  }
+  return 0;
+}
+
 /// Whether all photos have this border.
 bool AllHave(double PhotoSigns::*border, const std::vector<PhotoSigns>& signs) {
   return std::all_of(signs.begin(), signs.end(), [=](const PhotoSigns& s) { return s.*border >= kPlainBorder; });
@@ -98,7 +122,8 @@ PhotoSigns ReadSigns(const std::filesystem::path& path) {
   const ImageInfo info = ReadImageInfo(path);
   const double aspect = static_cast<double>(info.width) / info.height;
   signs.is_panorama = aspect >= kMinPanorama || ReadProjection(metadata) != Projection::kPlain;
-  signs.may_be_sphere = !signs.is_panorama && aspect == 2 && !info.exif.HasCamera();
+  signs.circles = ImageCircles(gray);
+  signs.may_be_sphere = !signs.is_panorama && signs.circles == 0 && aspect == 2 && !info.exif.HasCamera();
   signs.is_screenshot =
       IsPng(metadata) && !info.exif.HasCamera() && IsPhoneScreen(info.width, info.height) && signs.flat > .6;
   return signs;
@@ -110,11 +135,12 @@ std::vector<std::string> DescribeTrouble(const std::vector<std::string>& names, 
   const double usual = sharpness.size() >= kMinForMedian ? UpperMedian(sharpness) : 0;
   const bool before_black = AllHave(&PhotoSigns::dark_border, signs),
              before_white = AllHave(&PhotoSigns::bright_border, signs);
-  std::vector<std::string> blurred, dark, bright, panoramas, spheres, screenshots, alike;
+  std::vector<std::string> blurred, dark, bright, panoramas, spheres, circles, pairs, screenshots, alike;
   for (size_t i = 0; i < signs.size(); ++i) {
     const PhotoSigns& s = signs[i];
     if (s.is_screenshot) screenshots.push_back(names[i]);
     if (s.is_panorama && !s.is_screenshot) panoramas.push_back(names[i]);
+    if (s.circles > 0) (s.circles == 1 ? circles : pairs).push_back(names[i]);
     if (s.may_be_sphere && !s.is_screenshot) spheres.push_back(names[i]);
     const bool is_dark = !before_black && (s.mean < 20 || s.dark > .7);
     const bool is_bright = !before_white && (s.mean > 240 || s.bright > .6);
@@ -141,6 +167,19 @@ std::vector<std::string> DescribeTrouble(const std::vector<std::string>& names, 
       "are panoramas but no whole spheres, which no camera model here fits; take plain photos instead", &out);
   Say(spheres, "may be a spherical photo, for it is twice as wide as high; if so, add --set spheres=all",
       "may be spherical photos, for they are twice as wide as high; if so, add --set spheres=all", &out);
+  Say(circles,
+      "is the image circle of a fisheye lens, whose camera is not found here; give it with its pose (OPENCV_FISHEYE in "
+      "transforms.json or a COLMAP model), or let the camera's program make a 360-degree photo",
+      "are image circles of a fisheye lens, whose camera is not found here; give it with their poses (OPENCV_FISHEYE "
+      "in "
+      "transforms.json or a COLMAP model), or let the camera's program make 360-degree photos",
+      &out);
+  Say(pairs,
+      "is two image circles of fisheye lenses; let the camera's program stitch them to a 360-degree photo "
+      "(equirectangular)",
+      "are two image circles of fisheye lenses each; let the camera's program stitch them to 360-degree photos "
+      "(equirectangular)",
+      &out);
   Say(screenshots, "looks like a screenshot; give the photo itself, or leave it out",
       "look like screenshots; give the photos themselves, or leave them out", &out);
   return out;

@@ -27,6 +27,7 @@ struct PhotoSigns {
   std::vector<double> signature;              ///< 24 x 24 gray levels
   bool is_panorama = false;                   ///< very wide, or said to be one by its metadata
   bool may_be_sphere = false;                 ///< else: by its size, and no camera is named
+  int circles = 0;                            ///< image circles of fisheye lenses before black: 0, 1 or 2 side by side
   bool is_screenshot = false;                 ///< a PNG of a phone's screen, without a camera in its metadata
 };
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "oraclegs/camera/fisheye_lens.h"
 #include "oraclegs/camera/intrinsics.h"
 #include "oraclegs/core/enum_words.h"
 #include "oraclegs/core/progress.h"
@@ -38,12 +39,14 @@ const char* SceneFormatName(SceneFormat format);
 /// Which file of a Blender-style scene a view came from, or which list of a transforms.json names it; else kNone.
 enum class DeclaredRole { kNone, kTrain, kVal, kTest };
 
-/// The spherical photo that a view is a face of (scene/spheres.h).
+/// The photo of what is all around it, spherical or fisheye, that a view is a face of (scene/spheres.h).
 struct SphereSource {
   std::string name;  ///< the photo's own, as a view's
   std::filesystem::path image_path, mask_path;
   uint8_t mask_white = 255;
-  int face = 0;  ///< index into SphereFaces()
+  int face = 0;                     ///< index into SphereFaces()
+  std::optional<FisheyeLens> lens;  ///< without one it is equirectangular
+  bool as_stored = false;           ///< SceneView::as_stored
 };
 
 /// Which photos without poses are spheres.
@@ -99,8 +102,8 @@ struct SceneReadOptions {
   /// Also read what the scene's files name outside its folder and `images`. A stranger's scene could name any picture
   /// of this machine, which would then be in the result.
   bool allow_outside = false;
-  /// Where the views are written that spherical photos are cut into, by whoever uses them; empty = spheres with poses
-  /// are refused, and those without stay photos.
+  /// Where the views are written that spherical and wide fisheye photos are cut into, by whoever uses them; empty =
+  /// such photos with poses are refused, and those without stay photos.
   std::filesystem::path faces = {};
   SphereChoice spheres = SphereChoice::kMarked;
   bool other_masks = false;  ///< the run gets masks from elsewhere: those of the scene are left out, with a note
