@@ -6,7 +6,7 @@ find_program(ORACLEGS_NODE NAMES node nodejs DOC "Node.js 18 or newer, which bun
 function(oraclegs_embed_web target)
   set(web ${CMAKE_SOURCE_DIR}/web)
   set(out ${CMAKE_BINARY_DIR}/web)
-  set(names viewer.html viewer.js viewer.css report.html report.js report.css)
+  set(names app.html app.js app.css viewer.html viewer.js viewer.css report.html report.js report.css)
   file(GLOB installed CONFIGURE_DEPENDS ${web}/node_modules/.package-lock.json)  # npm writes it last
   set(symbols "")
   set(rows "")

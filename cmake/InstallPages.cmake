@@ -17,6 +17,10 @@ oraclegs_page(oraclegs.fish fish/vendor_completions.d completion fish)
 set(manual ${pages}/oraclegs.1)
 add_custom_command(OUTPUT ${manual}.gz COMMAND oraclegs man > ${manual} COMMAND gzip -9nf ${manual}
                    DEPENDS oraclegs COMMENT "oraclegs man" VERBATIM)
+# The entry in the menu of a desktop: the app.
+install(FILES ${CMAKE_SOURCE_DIR}/packaging/oraclegs.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications COMPONENT runtime)
+install(FILES ${CMAKE_SOURCE_DIR}/packaging/oraclegs.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps
+        COMPONENT runtime)
 install(FILES ${manual}.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT runtime)
 list(APPEND made ${manual}.gz)
 

@@ -1,4 +1,4 @@
-// Bundles the pages: node web/build.mjs FOLDER writes viewer.{html,js,css} and report.{html,js,css} there.
+// Bundles the pages: node web/build.mjs FOLDER writes viewer, report and app, each as .html, .js and .css, there.
 import {build} from 'esbuild';
 import {copyFile, mkdir, readFile, writeFile} from 'node:fs/promises';
 import {dirname, join, resolve} from 'node:path';
@@ -42,11 +42,13 @@ function checkInline(name, text) {
 }
 
 await mkdir(out, {recursive: true});
-const [viewer, report] = await Promise.all([
+const [viewer, report, app] = await Promise.all([
   bundle('viewer/main.js', {format: 'esm', banner}),
   bundle('report/main.js', {format: 'iife', banner, plugins: [packedScene]}),
+  bundle('app/main.js', {format: 'esm'}),
 ]);
-const [viewerStyle, reportStyle] = await Promise.all([bundle('viewer/viewer.css', {}), bundle('report/report.css', {})]);
+const [viewerStyle, reportStyle, appStyle] = await Promise.all(
+  ['viewer/viewer.css', 'report/report.css', 'app/app.css'].map((entry) => bundle(entry, {})));
 checkInline('report.js', report);
 checkInline('report.css', reportStyle);
 await Promise.all([
@@ -54,6 +56,9 @@ await Promise.all([
   writeFile(join(out, 'viewer.css'), viewerStyle),
   writeFile(join(out, 'report.js'), report),
   writeFile(join(out, 'report.css'), reportStyle),
+  writeFile(join(out, 'app.js'), app),
+  writeFile(join(out, 'app.css'), appStyle),
+  copyFile(join(source, 'app/app.html'), join(out, 'app.html')),
   copyFile(join(source, 'viewer/viewer.html'), join(out, 'viewer.html')),
   copyFile(join(source, 'report/report.html'), join(out, 'report.html')),
 ]);

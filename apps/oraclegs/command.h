@@ -142,6 +142,7 @@ std::unique_ptr<Command> MakeView(CLI::App* app);
 std::unique_ptr<Command> MakeMesh(CLI::App* app);
 std::unique_ptr<Command> MakeCameras(CLI::App* app);
 std::unique_ptr<Command> MakeInfo(CLI::App* app);
+std::unique_ptr<Command> MakeApp(CLI::App* app);
 std::unique_ptr<Command> MakeDoctor(CLI::App* app);
 std::unique_ptr<Command> MakeModels(CLI::App* app);
 std::unique_ptr<Command> MakeDemo(CLI::App* app);

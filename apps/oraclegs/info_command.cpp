@@ -9,11 +9,12 @@ namespace oraclegs {
 namespace {
 
 struct InfoOptions {
-  bool json = false;
+  bool json = false, check = false;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("json", self.json, "Print JSON instead of lines");
+    visit("check", self.check, "Also look at each photo: which are blurred, double, badly exposed or no photos at all");
   }
 };
 
@@ -55,8 +56,8 @@ std::string ShownItem(const std::string& key, const nlohmann::json& value) {
 
 /// True for a counter that may be left out where it is zero; such lines are not printed.
 bool IsIdle(const std::string& key, const nlohmann::json& value) {
-  const bool counts_trouble =
-      key == "masks" || key == "sensor_depth" || key == "unreadable_images" || key == "missing_images";
+  const bool counts_trouble = key == "warnings" || key == "masks" || key == "sensor_depth" ||
+                              key == "unreadable_images" || key == "missing_images";
   return counts_trouble && (value == 0 || (value.is_array() && value.empty()));
 }
 
@@ -82,7 +83,7 @@ class InfoCommand : public Command {
 
  private:
   void Body(const Listener& listener) override {
-    const nlohmann::json info = Describe(path_, listener);
+    const nlohmann::json info = Describe(path_, options_.check, listener);
     // JSON of ASCII alone: nothing of it needs to be replaced in a terminal.
     std::string text = options_.json ? info.dump(2, ' ', true, nlohmann::json::error_handler_t::replace) : Lines(info);
     if (!options_.json && info.contains("metrics")) text += "\n" + SummaryOf(info["metrics"], path_);

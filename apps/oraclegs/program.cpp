@@ -48,7 +48,7 @@ Program::Program() {
   };
   const auto catalog = [this] { return Describe(); };
   const auto of_all = [&](auto* make) { return [=](CLI::App* app) { return make(app, catalog); }; };
-  add("Photos to splat", MakeReconstruct, MakeDemo, MakeDemoScene);
+  add("Photos to splat", MakeApp, MakeReconstruct, MakeDemo, MakeDemoScene);
   add("Look and share", MakeView, MakeRender, MakeExport, MakeConvert, MakeMesh, MakeCameras, MakeInfo);
   add("Single stages", MakeSfm, MakeDepth, MakePropose, MakeValidate, MakeTrain);
   add("Measure", MakeEvaluate, MakeBench, MakeAblate, MakeFigure);

@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kLook(100);
 
-WebServerOptions ServerOptions(const std::filesystem::path& root, const ViewerOptions& options) {
-  WebServerOptions server{root, options.host};
+WebServerOptions ServerOptions(const ViewerOptions& options) {
+  WebServerOptions server{options.host};
   if (options.port != 0) server.port = options.port;
   return server;
 }
@@ -22,7 +22,7 @@ WebServerOptions ServerOptions(const std::filesystem::path& root, const ViewerOp
 }  // namespace
 
 Viewing::Viewing(const std::filesystem::path& root, const ViewerOptions& options, const Listener& listener)
-    : server_(ServerOptions(root, options)) {
+    : server_(ServerOptions(options), ViewerOf(root)) {
   if (!IsLoopback(options.host)) {
     listener(
         Warning{fmt::format("--host {}: everyone who reaches port {} of this machine can look on, without a "

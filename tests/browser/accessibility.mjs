@@ -1,27 +1,18 @@
 // axe-core finds nothing to object to: the viewer, the page of a run that goes on, and the report, light and dark.
 import assert from 'node:assert/strict';
-import {readFile} from 'node:fs/promises';
-import {createRequire} from 'node:module';
-import {fileURLToPath, pathToFileURL} from 'node:url';
+import {pathToFileURL} from 'node:url';
+import {objections} from './axe.mjs';
 import {DESKTOP, openPage, PHONE} from './browser.mjs';
 import {makeLive, makeSnapshot} from './fixture.mjs';
 import {startServer} from './server.mjs';
 
-const require = createRequire(fileURLToPath(new URL('../../web/package.json', import.meta.url)));
-
 export async function accessibility(browser, {assets, run, file}) {
-  const axe = await readFile(require.resolve('axe-core/axe.min.js'), 'utf8');
   const files = new Map([...run.files, ['live/splat.splat', makeSnapshot(run.gaussians, 0)]]);
   const viewer = await startServer(assets, {document: run.document, live: null, files});
   const live = await startServer(assets, {
     document: {...run.document, splat: null, finished: false}, files, live: {...makeLive(300), warnings: ['One photo was not registered.']}});
   const found = [];
-  const look = async (page, what) => {
-    await page.evaluate(axe);  // through the debugger, which the page's policy does not bind
-    const {violations, passes} = await page.evaluate(() => globalThis.axe.run());
-    assert.ok(passes.length > 15, `${what}: axe has looked at the page`);
-    for (const {id, help, nodes} of violations) found.push(`${what}: ${id}: ${help}\n  ${nodes.map((node) => `${node.html.slice(0, 160)} ${node.any[0]?.message ?? ''}`).join('\n  ')}`);
-  };
+  const look = async (page, what) => found.push(...(await objections(page, what)));
   for (const [size, options] of [['desktop', DESKTOP], ['phone', PHONE]]) {
     for (const colorScheme of ['light', 'dark']) {
       const settings = {...options, colorScheme, reducedMotion: 'reduce'};  // no color in transition

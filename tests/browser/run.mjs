@@ -1,4 +1,4 @@
-// Tests of the web pages in headless Chromium.
+// Tests of the viewer and the report in headless Chromium; app.mjs tests the page of `oraclegs app`.
 //   node tests/browser/run.mjs [--assets FOLDER]     against a small scene of known truth; bundles the pages when no folder is given
 //   node tests/browser/run.mjs --url URL             the viewer of a running `oraclegs view`
 //   node tests/browser/run.mjs --report FILE         a report.html
@@ -11,6 +11,7 @@ import {join, resolve} from 'node:path';
 import {fileURLToPath} from 'node:url';
 import {parseArgs} from 'node:util';
 import {launch} from './browser.mjs';
+import {checker} from './check.mjs';
 import {accessibility} from './accessibility.mjs';
 import {makeRun} from './fixture.mjs';
 import * as fixture from './fixture_checks.mjs';
@@ -33,18 +34,7 @@ async function screenshot(page, name, fullPage = false) {
   if (options.screenshots) await page.screenshot({path: join(options.screenshots, `${name}.png`), fullPage});
 }
 
-let failed = 0;
-async function check(name, work) {
-  if (options.only && options.only !== name) return;
-  const start = Date.now();
-  try {
-    await work();
-    console.log(`ok   ${name} (${((Date.now() - start) / 1000).toFixed(1)} s)`);
-  } catch (error) {
-    failed++;
-    console.log(`FAIL ${name}\n     ${String(error?.stack ?? error).replaceAll('\n', '\n     ')}`);
-  }
-}
+const {check, failed} = checker(options.only);
 
 async function checkViewer(browser, url) {
   await check('viewer_desktop', () => viewer.desktop(browser, {url, bound, screenshot}));
@@ -85,4 +75,4 @@ try {
   await browser.close();
   rmSync(folder, {recursive: true, force: true});
 }
-process.exit(failed ? 1 : 0);  // a check that failed may have left its server open
+process.exit(failed() ? 1 : 0);  // a check that failed may have left its server open

@@ -5,7 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <csignal>
+#include <thread>
+#include <utility>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
@@ -113,6 +116,16 @@ TEST(Subprocess, AStalledProgramIsEnded) {
   EXPECT_EQ(waits.exit_code, 128 + SIGTERM);
   EXPECT_FALSE(stalls("for i in 1 2 3 4 5 6; do sleep 0.2; echo $i; done").stalled) << "it prints";
   EXPECT_FALSE(stalls("i=0; while [ $i -lt 4000000 ]; do i=$((i + 1)); done").stalled) << "it computes";
+}
+
+TEST(Subprocess, ATimeInWhichThisProcessWasPausedIsNoStall) {
+  ProcessRequest request{{"sleep", "2.4"}};
+  request.stall_limit = std::chrono::duration<double>(1);
+  bool paused = false;
+  request.while_running = [&] {
+    if (!std::exchange(paused, true)) std::this_thread::sleep_for(std::chrono::milliseconds(2000));
+  };
+  EXPECT_FALSE(RunProcess(request).stalled);
 }
 
 TEST(Subprocess, TheStallLimitCanBeSet) {

@@ -106,6 +106,11 @@ TEST(OneLine, LeavesCharactersWhoseBytesLookLikeControls) {
 
 TEST(ForTerminal, KeepsLinesAndTabs) { EXPECT_EQ(ForTerminal("a\n\tb\r\x1B[m\xC2\x9B\n"), "a\n\tb??[m?\n"); }
 
+TEST(PercentEncoded, LeavesPlainPathsAlone) {
+  EXPECT_EQ(PercentEncoded("/home/a-b_c.d/e"), "/home/a-b_c.d/e");
+  EXPECT_EQ(PercentEncoded("Zo\xc3\xab 1%\n\";"), "Zo%C3%AB%201%25%0A%22%3B");
+}
+
 TEST(EscapeBytes, ShowsBytesOutsideAscii) { EXPECT_EQ(EscapeBytes("caf\xE9.jpg"), "caf\\xE9.jpg"); }
 
 TEST(Printable, IsShortAndAscii) {

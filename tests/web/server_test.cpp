@@ -23,7 +23,7 @@ class WebServerTest : public testing::Test {
   void SetUp() override {
     if (!WebPagesBuilt()) GTEST_SKIP() << "the pages were not built: " << HowToBuildWebPages();
     MakeSite(root);
-    server = std::make_unique<WebServer>(WebServerOptions{root});
+    server = std::make_unique<WebServer>(WebServerOptions{}, ViewerOf(root));
     port = server->port();
   }
 
@@ -131,13 +131,14 @@ TEST_F(WebServerTest, OtherNamesAreRefused) {
 
 TEST_F(WebServerTest, ATakenPortIsAnError) {
   EXPECT_THAT(MessageOf<UsageError>([&] {
-                WebServer({root, "127.0.0.1", port});
+                WebServer(WebServerOptions{"127.0.0.1", port}, ViewerOf(root));
               }),
               HasSubstr("--port " + std::to_string(port) + ": is in use"));
-  const WebServer next({root});
+  const WebServer next({}, ViewerOf(root));
   EXPECT_NE(next.port(), port);
   EXPECT_THAT(Ask(next.port(), "/api/ping"), StartsWith("HTTP/1.1 200 "));
-  EXPECT_THAT(MessageOf<UsageError>([&] { WebServer({root, "no.such.host.invalid"}); }), HasSubstr("--host"));
+  EXPECT_THAT(MessageOf<UsageError>([&] { WebServer(WebServerOptions{"no.such.host.invalid"}, ViewerOf(root)); }),
+              HasSubstr("--host"));
 }
 
 TEST_F(WebServerTest, EndsWhileClientsWait) {

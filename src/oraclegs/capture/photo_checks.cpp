@@ -95,6 +95,19 @@ void Say(const std::vector<std::string>& names, const char* one, const char* man
 
 }  // namespace
 
+std::vector<CheckedPhoto> PhotosToCheck(const Scene& scene) {
+  std::vector<CheckedPhoto> photos;
+  for (const std::vector<int>& photo : ByPhoto(scene, AllViews(scene))) {
+    const SceneView& view = scene.views[static_cast<size_t>(photo.front())];
+    if (view.sphere) {
+      photos.push_back({view.sphere->name, view.sphere->image_path, true});
+    } else {
+      photos.push_back({view.name, view.image_path});
+    }
+  }
+  return photos;
+}
+
 PhotoSigns ReadSigns(const std::filesystem::path& path) {
   const std::string bytes = ReadFile(path, kMaxImageBytes);
   const Image8 gray = GrayThumbnail(bytes, path.string(), kCheckSide);

@@ -7,6 +7,7 @@
 
 #include "oraclegs/core/progress.h"
 #include "oraclegs/image/image.h"
+#include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
 
@@ -16,6 +17,9 @@ struct CheckedPhoto {
   std::filesystem::path path;
   bool is_sphere = false;  ///< and is used as one
 };
+
+/// The photos of a scene as the user brought them: a sphere, and not its faces, some of which are plain sky.
+std::vector<CheckedPhoto> PhotosToCheck(const Scene& scene);
 
 /// Signs of one photo that the checks look at.
 struct PhotoSigns {

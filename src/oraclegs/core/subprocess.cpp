@@ -122,6 +122,9 @@ class StallWatch {
 
   bool HasStalled(const ProcessGroup& group) {
     const auto now = Clock::now();
+    const bool slept = now - last_call_ > limit_ / 2;  // this process was paused, or the machine: so was the program
+    last_call_ = now;
+    if (slept) NoteSign();
     if (now < next_look_) return false;
     next_look_ = now + std::chrono::duration_cast<Clock::duration>(limit_ / kLooks);
     const double cpu = group.CpuSeconds();
@@ -135,7 +138,7 @@ class StallWatch {
   static constexpr int kLooks = 20;           // in the time of the limit
   static constexpr double kBusyShare = 0.02;  // of one core; what waits in a loop uses less
   std::chrono::duration<double> limit_;
-  Clock::time_point since_ = Clock::now(), next_look_ = since_;
+  Clock::time_point since_ = Clock::now(), next_look_ = since_, last_call_ = since_;
   double cpu_since_ = -1;  ///< -1 = not looked at since the last sign
 };
 

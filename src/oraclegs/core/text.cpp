@@ -165,6 +165,16 @@ std::string ForTerminal(std::string_view text) { return Tamed(text, "\t\n"); }
 
 std::string OneLine(std::string_view text) { return Tamed(text, ""); }
 
+std::string PercentEncoded(std::string_view text) {
+  std::string encoded;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool plain = byte < 0x80 && (std::isalnum(byte) != 0 || c == '.' || c == '-' || c == '_' || c == '/');
+    encoded += plain ? std::string(1, c) : fmt::format("%{:02X}", byte);
+  }
+  return encoded;
+}
+
 std::string EscapeBytes(const std::string& text) {
   std::string escaped;
   for (const char c : text) {

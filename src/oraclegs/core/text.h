@@ -41,6 +41,9 @@ std::string ForTerminal(std::string_view text);
 /// A file name or a message, which is one line: as ForTerminal, and '?' for tabs and ends of lines, too.
 std::string OneLine(std::string_view text);
 
+/// The text as a part of an address: bytes other than ASCII letters, digits, '.', '-', '_' and '/' as %XX.
+std::string PercentEncoded(std::string_view text);
+
 /// Bytes outside ASCII as \xNN, to show a name that is not UTF-8.
 std::string EscapeBytes(const std::string& text);
 

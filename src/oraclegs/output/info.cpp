@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "oraclegs/capture/photo_checks.h"
 #include "oraclegs/core/statistics.h"
 #include "oraclegs/datasets/read_scene.h"
 #include "oraclegs/formats/splat_file.h"
@@ -36,7 +37,7 @@ std::string SizeOfPhoto(const fs::path& photo) {
   }
 }
 
-nlohmann::json DescribeScene(const fs::path& path, const Listener& listener) {
+nlohmann::json DescribeScene(const fs::path& path, bool look, const Listener& listener) {
   const Scene scene = ReadScene(path, SceneReadOptions{.allow_outside = true, .faces = "faces"}, listener);
   std::map<std::string, int> models, sizes;
   size_t masks = 0, unreadable = 0;
@@ -51,17 +52,19 @@ nlohmann::json DescribeScene(const fs::path& path, const Listener& listener) {
       ++unreadable;
     }
   }
-  return {{"kind", "scene"},
-          {"format", SceneFormatName(scene.format)},
-          {"views", scene.views.size()},
-          {"camera_models", models},
-          {"sizes", sizes},
-          {"points", scene.points.size()},
-          {"masks", masks},
-          {"sensor_depth", CountSensorDepth(scene)},
-          {"missing_images", scene.missing_images},
-          {"unreadable_images", unreadable},
-          {"poses", scene.HasPoses()}};
+  nlohmann::json info = {{"kind", "scene"},
+                         {"format", SceneFormatName(scene.format)},
+                         {"views", scene.views.size()},
+                         {"camera_models", models},
+                         {"sizes", sizes},
+                         {"points", scene.points.size()},
+                         {"masks", masks},
+                         {"sensor_depth", CountSensorDepth(scene)},
+                         {"missing_images", scene.missing_images},
+                         {"unreadable_images", unreadable},
+                         {"poses", scene.HasPoses()}};
+  if (look) info["warnings"] = CheckPhotos(PhotosToCheck(scene), listener).warnings;
+  return info;
 }
 
 nlohmann::json DescribeSplat(const fs::path& path, const Listener& listener) {
@@ -99,13 +102,13 @@ nlohmann::json DescribeWorkspace(const fs::path& path) {
 
 }  // namespace
 
-nlohmann::json Describe(const fs::path& path, const Listener& listener) {
+nlohmann::json Describe(const fs::path& path, bool look, const Listener& listener) {
   std::error_code ignored;
   if (!fs::exists(path, ignored)) {
     throw InputError("{}: does not exist; name a scene folder, a workspace or a splat file", path.string());
   }
   if (!fs::is_directory(path, ignored) || IsSplatFolder(path)) return DescribeSplat(path, listener);
-  return IsWorkspace(path) ? DescribeWorkspace(path) : DescribeScene(path, listener);
+  return IsWorkspace(path) ? DescribeWorkspace(path) : DescribeScene(path, look, listener);
 }
 
 }  // namespace oraclegs

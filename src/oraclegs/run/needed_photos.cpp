@@ -40,15 +40,7 @@ std::vector<std::string> TextsOf(const json& kept, const char* name) {
 }
 
 json Look(const Run& run) {
-  std::vector<CheckedPhoto> photos;
-  for (const std::vector<int>& photo : ByPhoto(run.scene, AllViews(run.scene))) {
-    const SceneView& view = run.scene.views[static_cast<size_t>(photo.front())];
-    if (view.sphere) {  // what the user brought, and not six parts, some of plain sky
-      photos.push_back({view.sphere->name, view.sphere->image_path, true});
-    } else {
-      photos.push_back({view.name, view.image_path});
-    }
-  }
+  const std::vector<CheckedPhoto> photos = PhotosToCheck(run.scene);
   const PhotoTrouble trouble = CheckPhotos(photos, run.listener);
   std::vector<std::string> unreadable;
   for (const size_t i : trouble.unreadable) unreadable.push_back(photos[i].name);

@@ -24,9 +24,10 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr size_t kMaxRequestBytes = 8 << 10;  // line and headers; there are no bodies
+constexpr size_t kMaxRequestBytes = 8 << 10;  // line and headers
 constexpr seconds kRequestTime(10), kIdleTime(5), kPauseOfReader(10), kAnswerTime(30);
-constexpr double kMinBytesPerSecond = 20'000;  // of a client that takes longer than kAnswerTime for an answer
+constexpr seconds kBodyTime(30);
+constexpr double kMinBytesPerSecond = 20'000;  // of a client that takes longer for a body or an answer
 constexpr milliseconds kSlice(100);            // after so long a stop of the server is noticed
 constexpr milliseconds kLingerTime(500);
 constexpr size_t kMaxLingerBytes = 256 << 10;
@@ -34,6 +35,8 @@ constexpr size_t kMaxLingerBytes = 256 << 10;
 constexpr size_t kWorkers = 48;      // a browser opens six connections a page
 constexpr size_t kMaxWaiting = 100;  // connections that no worker has yet
 constexpr int kMaxRequestsOfConnection = 1000;
+
+thread_local Connection* g_current = nullptr;
 
 /// Set, on the accepting thread, while it hands over a connection that is too many.
 thread_local bool g_refuse = false;
@@ -130,7 +133,14 @@ bool Connection::WaitForRequest() {
   request_deadline_ = Clock::now() + kRequestTime;
   answer_begin_ = {};
   written_ = 0;
+  in_body_ = false;
   return true;
+}
+
+void Connection::AllowBody(uint64_t bytes) {
+  bytes_left_ = bytes;
+  request_deadline_ = Clock::now() + kBodyTime;
+  in_body_ = true;
 }
 
 bool Connection::Wait(short events, Clock::time_point deadline) const {
@@ -150,10 +160,15 @@ bool Connection::is_readable() const { return Wait(POLLIN, request_deadline_); }
 bool Connection::is_writable() const { return Wait(POLLOUT, Clock::now() + kPauseOfReader); }
 
 ssize_t Connection::read(char* to, size_t size) {
-  size = std::min(size, bytes_left_);
+  size = static_cast<size_t>(std::min<uint64_t>(size, bytes_left_));
   if (size == 0 || !is_readable()) return -1;
   const ssize_t n = recv(socket_, to, size, MSG_DONTWAIT);
-  if (n > 0) bytes_left_ -= static_cast<size_t>(n);
+  if (n <= 0) return n;
+  bytes_left_ -= static_cast<size_t>(n);
+  if (in_body_) {
+    const std::chrono::duration<double> earned(static_cast<double>(n) / kMinBytesPerSecond);
+    request_deadline_ += std::chrono::duration_cast<Clock::duration>(earned);
+  }
   return n;
 }
 
@@ -201,9 +216,15 @@ bool LimitedServer::process_and_close_socket(socket_t socket) {
   return true;
 }
 
+Connection* LimitedServer::Current() { return g_current; }
+
 void LimitedServer::Serve(socket_t socket) {
   Connection connection(socket, stopping_);
-  // A request with a body is refused unread; neither its rest nor anything that is not HTTP is taken for another
+  g_current = &connection;
+  struct Reset {
+    ~Reset() { g_current = nullptr; }
+  } const reset;
+  // A request with a body ends the connection; neither its rest nor anything that is not HTTP is taken for another
   // request.
   bool last = false;
   const auto before_routing = [&](httplib::Request& request) {

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -24,6 +25,8 @@ class Connection : public httplib::Stream {
 
   /// Waits for the next request, a few seconds; false when none comes. The request's limits begin then.
   bool WaitForRequest();
+  /// Lets the request send `bytes` more, its body, in 30 seconds, or longer at 20 kB/s or more.
+  void AllowBody(uint64_t bytes);
 
   bool is_readable() const override;
   bool is_writable() const override;
@@ -41,17 +44,21 @@ class Connection : public httplib::Stream {
 
   int socket_;
   const std::atomic<bool>& stopping_;
-  size_t bytes_left_ = 0;  ///< bytes that the request may still send
+  uint64_t bytes_left_ = 0;  ///< bytes that the request may still send
+  bool in_body_ = false;
   Clock::time_point request_deadline_, answer_begin_;
   size_t written_ = 0;  ///< bytes written of the answer
 };
 
-/// A server of such connections, limited in number. A request with a body or another method than GET and
-/// HEAD ends its connection, the body unread; Range, Expect and Accept-Encoding are ignored. It listens once.
+/// A server of such connections, limited in number. A request with a body or another method than GET and HEAD is the
+/// last one of its connection; Range, Expect and Accept-Encoding are ignored. Nothing reads a body but the handler,
+/// from the connection that Current gives it. It listens once.
 class LimitedServer : public httplib::Server {
  public:
   /// Starts the workers. Throws RunError where the system gives no thread.
   LimitedServer();
+  /// The connection whose request this thread serves; null outside of a request.
+  static Connection* Current();
   /// Ends the open connections within a moment, so that stop() does not wait for clients.
   void StopConnections() { stopping_ = true; }
 

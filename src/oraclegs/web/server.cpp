@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <system_error>
 #include <thread>
@@ -42,23 +43,47 @@ void Send(WebAnswer answer, httplib::Response* response) {
   }
 }
 
-WebRequest RequestOf(const httplib::Request& request) {
-  return {request.method, request.path, request.get_header_value("Host"),
-          static_cast<int>(request.get_header_value_count("Host")), request.get_header_value("If-None-Match")};
+/// The size that a request says its body has; none for texts that are no number, and for more than one.
+std::optional<uint64_t> ContentLength(const httplib::Request& request) {
+  if (request.get_header_value_count("Content-Length") != 1 || request.has_header("Transfer-Encoding")) return {};
+  const std::string text = request.get_header_value("Content-Length");
+  uint64_t bytes = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), bytes);
+  if (error != std::errc() || end != text.data() + text.size()) return {};
+  return bytes;
+}
+
+WebRequest RequestOf(const httplib::Request& from) {
+  WebRequest request{.method = from.method,
+                     .path = from.path,
+                     .host = from.get_header_value("Host"),
+                     .hosts = static_cast<int>(from.get_header_value_count("Host")),
+                     .known_tag = from.get_header_value("If-None-Match"),
+                     .origin = from.get_header_value("Origin"),
+                     .cookie = from.get_header_value("Cookie"),
+                     .query = from.params,
+                     .content_length = ContentLength(from)};
+  Connection* connection = LimitedServer::Current();
+  if (connection != nullptr && request.content_length.value_or(0) > 0) {
+    connection->AllowBody(*request.content_length);
+    request.read = [connection](char* to, size_t count) { return connection->read(to, count); };
+  }
+  return request;
 }
 
 }  // namespace
 
 class WebServer::Impl {
  public:
-  explicit Impl(const WebServerOptions& options) : host_(options.host), site_(options.root) {
+  Impl(const WebServerOptions& options, WebHandler handler) : host_(options.host) {
     port_ = Bind(options);
     const AllowedHosts hosts(host_, port_);
     // All answers are made here: patterns of httplib are regular expressions, which use stack per byte.
-    server_.set_pre_routing_handler([this, hosts](const httplib::Request& request, httplib::Response& response) {
-      Send(AnswerTo(RequestOf(request), hosts, &site_), &response);
-      return httplib::Server::HandlerResponse::Handled;
-    });
+    server_.set_pre_routing_handler(
+        [handler = std::move(handler), hosts](const httplib::Request& request, httplib::Response& response) {
+          Send(handler(RequestOf(request), hosts), &response);
+          return httplib::Server::HandlerResponse::Handled;
+        });
     Start();
   }
 
@@ -128,16 +153,21 @@ class WebServer::Impl {
 
   std::string host_;
   int port_ = 0;
-  Site site_;
   LimitedServer server_;
   std::atomic<bool> ended_ = false;
   std::string failure_ = "it ended";  ///< reason, read after ended_
   std::thread thread_;
 };
 
-WebServer::WebServer(const WebServerOptions& options) {
+WebHandler ViewerOf(const std::filesystem::path& root) {
+  return [site = std::make_shared<Site>(root)](const WebRequest& request, const AllowedHosts& hosts) {
+    return AnswerTo(request, hosts, site.get());
+  };
+}
+
+WebServer::WebServer(const WebServerOptions& options, WebHandler handler) {
   if (!WebPagesBuilt()) throw RunError("the viewer is not part of this program: {}", HowToBuildWebPages());
-  impl_ = std::make_unique<Impl>(options);
+  impl_ = std::make_unique<Impl>(options, std::move(handler));
 }
 
 WebServer::~WebServer() = default;

@@ -1,29 +1,36 @@
 #pragma once
-// The server of the viewer (docs/viewer.md#security-of-the-viewer).
+// The server of the pages (docs/viewer.md#security-of-the-viewer).
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+
+#include "oraclegs/web/routes.h"
 
 namespace oraclegs {
 
 inline constexpr int kDefaultWebPort = 7860;
 
+/// Makes the answer to a request, on any thread. `hosts` are the names of the server.
+using WebHandler = std::function<WebAnswer(const WebRequest& request, const AllowedHosts& hosts)>;
+
+/// Shows the run in a folder: a workspace, or any folder with report/run.json (web/site.h).
+WebHandler ViewerOf(const std::filesystem::path& root);
+
 struct WebServerOptions {
-  std::filesystem::path root;      ///< a workspace, or any folder with report/run.json (web/site.h)
   std::string host = "127.0.0.1";  ///< address or name to bind to
   std::optional<int> port = {};    ///< exactly this port; unset = 7860 or the next free one
 };
 
-/// Serves a folder from its own threads from construction to destruction. Only reads. Requests are answered
-/// concurrently, at most 48 at a time; a client that is slow, sends too much or asks for missing files does not disturb
-/// others.
+/// Answers requests from its own threads from construction to destruction, at most 48 at a time; a client that is slow,
+/// sends too much or asks for missing files does not disturb others.
 class WebServer {
  public:
   /// Starts to serve. Throws UsageError when the port is in use or the host is not of this machine, RunError when the
   /// viewer's pages are not part of this build.
-  explicit WebServer(const WebServerOptions& options);
+  WebServer(const WebServerOptions& options, WebHandler handler);
   ~WebServer();
   WebServer(const WebServer&) = delete;
   WebServer& operator=(const WebServer&) = delete;

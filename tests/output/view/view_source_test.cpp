@@ -67,7 +67,7 @@ TEST_F(ViewSourceTest, AFolderOfSogIsASplat) {
   for (const fs::path& named : {folder, folder / "meta.json"}) {
     const ViewSource source(named, recorder.AsListener());
     EXPECT_TRUE(fs::exists(source.root() / "splat.spz"));
-    EXPECT_EQ(Describe(named, Silent()).at("gaussians"), splat.size());
+    EXPECT_EQ(Describe(named, false, Silent()).at("gaussians"), splat.size());
   }
 }
 

@@ -165,6 +165,12 @@ export class SplatScene extends EventTarget {
     this.fly(poseOf(view.camera), view, {atOnce});
   }
 
+  // What the camera turns around, in the axes of the scene: {point, distance}.
+  get focus() {
+    const {position} = this.pose;
+    return {point: position.clone().addScaledVector(forwardOf(this.pose), this.controls.distance).toArray(), distance: this.controls.distance};
+  }
+
   // Looks at what is under a pixel; the camera turns around that from then on.
   turnTo(x, y) {
     const point = this.mesh && pointUnder(this.mesh, this.stage.camera, this.stage.size, x, y);

@@ -52,7 +52,9 @@ const viewer = h('div', {class: 'viewer'},
     run.element, suggestions.element, modes.element, details.element, viewsPanel));
 put(page, viewer, help);
 
-// Only a narrow window folds the panel, so that the 3D view has all of it.
+// A narrow window folds the panel, so that the 3D view has all of it; so does the app's page around this one, which says
+// itself what it shows and how the run goes.
+viewer.classList.toggle('framed', window.parent !== window);
 function fold(folded) {
   viewer.classList.toggle('folded', folded);
   foldButton.setAttribute('aria-expanded', String(!folded));

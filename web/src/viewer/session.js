@@ -45,12 +45,12 @@ export class Session extends EventTarget {
   }
 
   async look() {
-    const live = await getJson('/api/live');
+    const live = await getJson('api/live');
     const revision = live?.document ? (live.document_revision ?? 0) : undefined;
     let changed = !this.asked || JSON.stringify(live) !== JSON.stringify(this.live);
     const stateChanged = live?.state !== this.live?.state;
     if (!this.asked || !this.document || revision !== this.revision || stateChanged) {
-      const run = await getJson('/api/document');
+      const run = await getJson('api/document');
       changed ||= JSON.stringify(run) !== JSON.stringify(this.document);
       this.document = run;
       this.revision = revision;
@@ -69,5 +69,5 @@ async function getJson(url) {
   return response.json();
 }
 
-// Where the page gets a file that the document names.
-export const fileUrl = (url) => (/^(data|blob):/.test(url) ? url : `/files/${url.split('/').map(encodeURIComponent).join('/')}`);
+// Where the page gets a file that the document names. All addresses are relative: the page lies at /, or deeper in the app.
+export const fileUrl = (url) => (/^(data|blob):/.test(url) ? url : `files/${url.split('/').map(encodeURIComponent).join('/')}`);
