@@ -23,7 +23,7 @@ constexpr size_t kMaxProjects = 2000;
 
 std::string Chosen(const nlohmann::json& body, const char* key, const std::string& usual,
                    const std::vector<AppChoice>& choices) {
-  const std::string text = TextAsked(body, key, usual);
+  std::string text = TextAsked(body, key, usual);
   const bool known = std::any_of(choices.begin(), choices.end(), [&](const AppChoice& c) { return c.id == text; });
   if (!known) throw Refusal{400, fmt::format("{}: there is no such choice", key)};
   return text;

@@ -101,7 +101,7 @@ class HiddenFile {
   fs::path Name(const fs::path& folder, const std::string& name) {
     const fs::path plain(name);
     for (int i = 1;; ++i) {
-      const fs::path target =
+      fs::path target =
           folder / (i == 1 ? name : fmt::format("{} ({}){}", plain.stem().string(), i, plain.extension().string()));
       if (link(path_.c_str(), target.c_str()) == 0) {
         unlink(path_.c_str());
