@@ -101,14 +101,14 @@ stage_release() {
 }
 
 # The floors below settings, where the parsers and the kernels are.
-floors=(core image camera scene sfm demo depth gaussians formats datasets render loss train propose weights web mesh)
+floors=(core image camera scene capture sfm demo depth gaussians formats datasets render loss train propose weights web app mesh)
 stage_asan() {
   check asan "${floors[@]}" cuda
   step "fuzzers"
   scripts/fuzz.sh --seed 1 --seconds 8
 }
 
-stage_tsan() { check tsan core depth render loss train propose web; }
+stage_tsan() { check tsan core depth render loss train propose web app; }
 
 stage_tidy() {
   step "clang-tidy"

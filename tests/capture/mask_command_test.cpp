@@ -72,11 +72,12 @@ TEST_F(MaskCommandTest, GivesThePhotosAndTakesTheMasks) {
   EXPECT_THAT(events.notes, testing::ElementsAre(HasSubstr("scaled to them"))) << "masks may be smaller";
 }
 
-TEST_F(MaskCommandTest, AddsToTheMaskThatAViewHas) {
+TEST_F(MaskCommandTest, AddsToTheMaskThatAFaceHas) {
   Image8 own{8, 6, 1, std::vector<uint8_t>(48, 255)};
   std::fill_n(own.data.begin() + 40, 8, uint8_t{0});  // a face of a fisheye photo, which shows nothing here
   WritePng(dir / "own.png", own);
   scene.views[0].mask_path = dir / "own.png";
+  scene.views[0].sphere.emplace();
   for (const char* answer : {"good.png", "ones.png"}) {
     Make(Answers(answer, answer));
     Scene taken = scene;

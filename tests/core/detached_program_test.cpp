@@ -52,7 +52,7 @@ TEST(SignalSession, PausesAndEndsTheProgramWithItsChildren) {
   const TempDir dir;
   // The child has a process group of its own, as those that this program starts.
   const ProcessMark mark = StartDetached(
-      {"bash", "-c", "set -m; bash -c 'for i in $(seq 600); do sleep .1; done; echo late' & echo $!; wait"},
+      {"bash", "-c", "set -m; bash -c 'for i in $(seq 600); do sleep .1; done; echo late' & echo $!; wait -f"},
       dir / "log");
   WaitUntil([&] { return !LogText(dir / "log").empty(); });
   const std::string child = LogText(dir / "log").substr(0, LogText(dir / "log").find('\n'));

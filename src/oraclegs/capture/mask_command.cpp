@@ -43,7 +43,7 @@ size_t CountFiles(const std::vector<fs::path>& files) {
   return static_cast<size_t>(std::count_if(files.begin(), files.end(), IsFile));
 }
 
-/// The answer, less what the view has no pixels of: that it has a mask of its own (scene/spheres.h).
+/// Stores the answer, less the pixels that a face does not have: those outside of its own mask (scene/spheres.h).
 void StoreBoth(const SceneView& answered, const SceneView& view, const fs::path& to) {
   const Image8 own = ReadMask(view, view.intrinsics.width, view.intrinsics.height, Orientation::kUpright);
   Image8 both = ReadMask(answered, own.width, own.height, Orientation::kUpright);
@@ -78,7 +78,7 @@ void MakeMasks(const MaskRun& run, const Scene& scene, const Listener& listener)
   const std::vector<fs::path> stored = MaskFiles(run.root, scene);
   for (size_t v = 0; v < answers.size(); ++v) {
     std::error_code error;
-    if (!scene.views[v].mask_path.empty()) {
+    if (scene.views[v].sphere && !scene.views[v].mask_path.empty()) {
       StoreBoth(answered.views[v], scene.views[v], stored[v]);
       continue;
     }

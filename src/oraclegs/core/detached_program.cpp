@@ -116,6 +116,9 @@ ProgramState StateOf(const ProcessMark& mark) {
 
 bool SignalSession(const ProcessMark& mark, int signal) {
   if (StateOf(mark) == ProgramState::kGone) return false;
+  // A program must not see its children stop, or it may take them for ended.
+  const bool first = signal == SIGSTOP;
+  if (first && !SignalProgram(mark, signal)) return false;
   // Its children are in groups of their own, but in its session.
   std::error_code error;
   for (fs::directory_iterator it("/proc", error), end; !error && it != end; it.increment(error)) {
@@ -126,7 +129,7 @@ bool SignalSession(const ProcessMark& mark, int signal) {
     const auto line = ReadProcessLine(number);
     if (line && line->session == mark.number) kill(static_cast<pid_t>(number), signal);
   }
-  return SignalProgram(mark, signal);
+  return first || SignalProgram(mark, signal);
 }
 
 bool SignalProgram(const ProcessMark& mark, int signal) {

@@ -1,4 +1,5 @@
 #include <system_error>
+#include <utility>
 
 #include "oraclegs/capture/mask_command.h"
 #include "oraclegs/core/text.h"
@@ -19,7 +20,9 @@ void AddMasksKey(Run* run, Fingerprint* key) {
 }
 
 bool LoadMasks(Run* run) {
-  TakeMasks(run->workspace.masks(), run->listener, &run->scene);
+  Scene masked = run->scene;  // a damaged mask leaves the scene as it was: a face keeps its own
+  TakeMasks(run->workspace.masks(), run->listener, &masked);
+  run->scene = std::move(masked);
   return true;
 }
 
