@@ -102,7 +102,8 @@ TEST(ProbeVideo, RefusesListsOfOtherFiles) {
       {"session.mov", "v=0\no=- 0 0 IN IP4 127.0.0.1\ns=x\nc=IN IP4 127.0.0.1\nt=0 0\nm=video 5004 RTP/AVP 96\n"}};
   for (const auto& [name, text] : lists) {
     WriteText(dir / name, text);
-    EXPECT_THAT(MessageOf<InputError>([&] { ProbeVideo(dir / name); }), HasSubstr("holds no video that ffmpeg"))
+    EXPECT_THAT(MessageOf<InputError>([&, file = name] { ProbeVideo(dir / file); }),
+                HasSubstr("holds no video that ffmpeg"))
         << name;
     EXPECT_THROW(ExtractFrames(dir / name, 4, dir / "out", Silent()), InputError) << name;
   }
