@@ -209,6 +209,9 @@ void SetStackSize(size_t bytes) {
 }
 
 TEST(LimitedServer, GoesOnWithTheThreadsThatTheSystemGives) {
+#ifdef __SANITIZE_THREAD__
+  GTEST_SKIP() << "the thread sanitizer needs memory of its own for each thread, which the limit may refuse";
+#endif
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(ServeWithLittleRoom(), testing::ExitedWithCode(0), "");
 }
