@@ -80,7 +80,7 @@ async function tabTo(page, name) {
 // No mouse: from the library to a run, its end, and away with it.
 export async function keyboard(browser, {app, photos}) {
   const {page, problems, close} = await openApp(browser, DESKTOP, app);
-  const chosen = page.waitForEvent('filechooser');  // early: the browser is told to wait for it
+  const chosen = page.waitForEvent('filechooser');  // early: the browser has to wait for it
   await page.keyboard.press('Tab');
   assert.match(await focused(page), /Skip/);
   await page.keyboard.press('Enter');

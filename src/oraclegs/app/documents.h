@@ -1,5 +1,5 @@
 #pragma once
-// What the page asks for again and again: the library, and one project.
+// Documents that the page asks for again and again: the library, and one project.
 
 #include <map>
 #include <mutex>

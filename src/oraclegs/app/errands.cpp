@@ -113,7 +113,10 @@ std::vector<std::string> ExportArgv(const fs::path& program, const Project& proj
 Errands::Errands(fs::path program) : program_(std::move(program)), thread_([this] { Work(); }) {}
 
 Errands::~Errands() {
-  stop_ = true;
+  {
+    const std::lock_guard guard(mutex_);  // or the thread could begin to wait just now, for ever
+    stop_ = true;
+  }
   wake_.notify_all();
   thread_.join();
 }
@@ -133,7 +136,9 @@ Errands::Outcome Errands::Find(const std::string& key) const {
 }
 
 void Errands::Check(const Project& project) {
-  Ask({CheckKey(project.id), [this, paths = project.paths] { return CheckPhotos(program_, paths, stop_); }});
+  constexpr std::chrono::seconds kQuiet(1);
+  Ask({CheckKey(project.id), [this, paths = project.paths] { return CheckPhotos(program_, paths, stop_); },
+       Clock::now() + kQuiet});
 }
 
 Errands::Outcome Errands::CheckOf(const std::string& project) const { return Find(CheckKey(project)); }
@@ -184,10 +189,19 @@ uint64_t Errands::BytesOf(const Project& project) {
 void Errands::Work() {
   std::unique_lock lock(mutex_);
   while (true) {
-    wake_.wait(lock, [&] { return stop_ || !tasks_.empty(); });
     if (stop_) return;
-    const Task task = std::move(tasks_.front());
-    tasks_.pop_front();
+    const auto next =
+        std::min_element(tasks_.begin(), tasks_.end(), [](const Task& a, const Task& b) { return a.due < b.due; });
+    if (next == tasks_.end()) {
+      wake_.wait(lock);
+      continue;
+    }
+    if (const Clock::time_point due = next->due; due > Clock::now()) {
+      wake_.wait_until(lock, due);
+      continue;
+    }
+    const Task task = std::move(*next);
+    tasks_.erase(next);
     lock.unlock();
     Outcome outcome;
     try {

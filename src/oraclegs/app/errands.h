@@ -2,6 +2,7 @@
 // Short work that the app has other processes of the program do: checks of photos, and exports.
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <filesystem>
@@ -50,7 +51,7 @@ class Errands {
   Errands(const Errands&) = delete;
   Errands& operator=(const Errands&) = delete;
 
-  /// Has the photos of a project looked at; a check that waits already begins later.
+  /// Has the photos of a project looked at, once nothing has asked for it for a second: not after each of many photos.
   void Check(const Project& project);
   Outcome CheckOf(const std::string& project) const;
   /// Has a file of a project made.
@@ -64,9 +65,11 @@ class Errands {
   uint64_t BytesOf(const Project& project);
 
  private:
+  using Clock = std::chrono::steady_clock;
   struct Task {
     std::string key;
     std::function<Outcome()> work;
+    Clock::time_point due = Clock::now();  ///< begins then at the earliest
   };
   void Ask(Task task);
   void Work();

@@ -1,5 +1,5 @@
 #pragma once
-// What a project is doing, as its files and processes show it.
+// State of a project, as its files and processes show it.
 
 #include <nlohmann/json.hpp>
 #include <optional>

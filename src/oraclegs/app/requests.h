@@ -1,5 +1,5 @@
 #pragma once
-// What a browser sends to change something, and the answers to it, as JSON.
+// Requests of a browser that change something, and the answers to them, as JSON.
 
 #include <nlohmann/json.hpp>
 #include <string>

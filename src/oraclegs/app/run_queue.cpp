@@ -102,6 +102,8 @@ int RunQueue::PositionOf(const Project& project) const {
 void RunQueue::StartNext() {
   const std::optional<Project> next = NextOf(library_->Projects());
   if (!next) return;
+  // It leaves the queue first: where records cannot be written it must not be started again and again.
+  library_->Update(next->id, [](ProjectRecord* record) { record->queued = 0, record->started = true; });
   std::error_code ignored;
   fs::remove(next->paths.log(), ignored);
   ProcessMark process;
@@ -110,8 +112,7 @@ void RunQueue::StartNext() {
   } catch (const Error& error) {  // shown as the run's own
     WriteFileAtomically(next->paths.log(), fmt::format("error: {}\n", error.what()));
   }
-  library_->Update(
-      next->id, [&](ProjectRecord* record) { record->queued = 0, record->started = true, record->process = process; });
+  library_->Update(next->id, [&](ProjectRecord* record) { record->process = process; });
 }
 
 void RunQueue::Work() {

@@ -27,7 +27,7 @@ using nlohmann::json;
 
 constexpr char kFacesFile[] = "faces.json";
 constexpr char kHalfCut[] = ".oraclegs-faces.tmp";
-constexpr int kFaceQuality = 97;  // of a JPEG, hardly to be told from the photo
+constexpr int kFaceQuality = 97;  // of a JPEG: hardly a difference to the photo
 
 json DigestJson(const fs::path& file) {
   if (file.empty()) return nullptr;

@@ -1,5 +1,5 @@
 #pragma once
-// What a depth sensor would measure of a demo scene.
+// Depth of a demo scene as a sensor would measure it.
 
 #include <cstdint>
 #include <vector>

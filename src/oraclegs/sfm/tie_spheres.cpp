@@ -194,7 +194,7 @@ ImageIds FacesOfWeakSpheres(const StagedSpheres& spheres, const fs::path& model)
   return weak;
 }
 
-/// Writes the file that tells rig_bundle_adjuster of the cameras' turns; the faces of a sphere have one name behind
+/// Writes the file from which rig_bundle_adjuster reads the cameras' turns; the faces of a sphere have one name behind
 /// "cameraN/".
 void WriteRigs(const StagedSpheres& spheres, const ImageIds& left_out, const fs::path& file) {
   std::map<uint32_t, const StagedFace*> cameras;
