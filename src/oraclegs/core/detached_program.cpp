@@ -116,9 +116,10 @@ ProgramState StateOf(const ProcessMark& mark) {
 
 bool SignalSession(const ProcessMark& mark, int signal) {
   if (StateOf(mark) == ProgramState::kGone) return false;
-  // A program must not see its children stop, or it may take them for ended.
-  const bool first = signal == SIGSTOP;
-  if (first && !SignalProgram(mark, signal)) return false;
+  // A program must not see its children stop or end, or it may take that for their failure: it is last to go on, and
+  // first for all else.
+  const bool last = signal == SIGCONT;
+  if (!last && !SignalProgram(mark, signal)) return false;
   // Its children are in groups of their own, but in its session.
   std::error_code error;
   for (fs::directory_iterator it("/proc", error), end; !error && it != end; it.increment(error)) {
@@ -129,7 +130,7 @@ bool SignalSession(const ProcessMark& mark, int signal) {
     const auto line = ReadProcessLine(number);
     if (line && line->session == mark.number) kill(static_cast<pid_t>(number), signal);
   }
-  return first || SignalProgram(mark, signal);
+  return !last || SignalProgram(mark, signal);
 }
 
 bool SignalProgram(const ProcessMark& mark, int signal) {
