@@ -23,7 +23,7 @@
 #include "bench/gpu_fma.h"
 #include "bench/gpu_once.h"
 #include "bench/gpu_training.h"
-#include "oraclegs/core/cuda/check.h"
+#include "oraclegs/core/cuda/memory.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/depth/plane_search.h"

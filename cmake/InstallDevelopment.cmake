@@ -1,7 +1,6 @@
 # The CMake package: find_package(oraclegs) gives oraclegs::render, oraclegs::train and the other floors that need no program
-# (what -DORACLEGS_APPS=OFF builds), with their headers below include/oraclegs.
+# (ORACLEGS_ENGINE, what -DORACLEGS_APPS=OFF builds), with their headers below include/oraclegs.
 include(CMakePackageConfigHelpers)
-set(ORACLEGS_ENGINE core image camera scene demo depth gaussians render loss train propose)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/oraclegs)
 set(headers ${CMAKE_INSTALL_INCLUDEDIR}/oraclegs)
 

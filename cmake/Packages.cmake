@@ -12,6 +12,9 @@ set(CPACK_COMPONENTS_ALL runtime dev)
 if(ORACLEGS_NETWORKS)
   list(INSERT CPACK_COMPONENTS_ALL 1 networks)
 endif()
+if(ORACLEGS_CUDA)
+  list(INSERT CPACK_COMPONENTS_ALL 1 cuda)
+endif()
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 
 set(CPACK_DEB_COMPONENT_INSTALL ON)
@@ -25,7 +28,7 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 # together, only makes and reads videos; the program names it when it is missing.
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME oraclegs)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "colmap")
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "oraclegs-networks, ffmpeg")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "oraclegs-networks, oraclegs-cuda, ffmpeg")
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "3D Gaussian splats from a few photos
 OracleGS reconstructs scenes from 3 to 24 photos, on a laptop without a GPU:
 it finds the cameras, estimates depth, proposes views that no photo shows,
@@ -42,6 +45,12 @@ set(CPACK_COMPONENT_NETWORKS_DESCRIPTION "Networks of OracleGS, which need libto
 Depth Anything V2, LPIPS, VGGT and Stable Virtual Camera for oraclegs. Their
 weights are not part of the package: oraclegs models fetches them. Everything
 else works without this package.")
+
+set(CPACK_DEBIAN_CUDA_PACKAGE_NAME oraclegs-cuda)
+set(CPACK_DEBIAN_CUDA_PACKAGE_DEPENDS "oraclegs (= ${PROJECT_VERSION})")
+set(CPACK_COMPONENT_CUDA_DESCRIPTION "NVIDIA GPUs for OracleGS
+The engine of oraclegs for NVIDIA GPUs from Turing on. It needs NVIDIA's driver
+and nothing else of CUDA; oraclegs uses the GPU as soon as both are there.")
 
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME oraclegs-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)

@@ -1,6 +1,9 @@
 # The kinds of target. A file added to a folder is built without another edit: the folders are globbed, and
 # CONFIGURE_DEPENDS makes the build look again.
 
+# The floors that need no program: what -DORACLEGS_APPS=OFF builds.
+set(ORACLEGS_ENGINE core image camera scene demo depth gaussians render loss train propose)
+
 # A floor's device code and its tests; the checkout itself may lie below a folder cuda/.
 set(ORACLEGS_DEVICE_FOLDER "/(oraclegs|tests)/[a-z]+/cuda/[^/]+$")
 
@@ -62,16 +65,15 @@ endfunction()
 
 # oraclegs_library(NAME [SHARED] DEPS floor-or-target...): the floor src/oraclegs/NAME as target oraclegs::NAME, and a row of
 # floors.json, which scripts/check_house.py reads. SOURCES replaces the files of the folder.
-# What lies in its folder cuda/ belongs to builds with CUDA; all others compile it for the emulated device (tests/CMakeLists.txt).
+# What lies in its folder cuda/ belongs to the library of device code (src/oraclegs/cuda); the tests of builds without nvcc compile
+# it for the emulated device (tests/device_tests.cmake).
 function(oraclegs_library name)
   cmake_parse_arguments(ARG "SHARED" "" "DEPS;SOURCES" ${ARGN})
   set(sources ${ARG_SOURCES})
   if(NOT sources)
     file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/oraclegs/${name}/*.cpp)
   endif()
-  if(NOT ORACLEGS_CUDA)
-    list(FILTER sources EXCLUDE REGEX "${ORACLEGS_DEVICE_FOLDER}")
-  endif()
+  list(FILTER sources EXCLUDE REGEX "${ORACLEGS_DEVICE_FOLDER}")
   oraclegs_keep_kernels_alone(${sources})
   set(kind STATIC)
   if(ARG_SHARED)
@@ -81,16 +83,6 @@ function(oraclegs_library name)
   add_library(oraclegs::${name} ALIAS oraclegs_${name})
   target_link_libraries(oraclegs_${name} PUBLIC $<BUILD_INTERFACE:oraclegs_flags> ${ARG_DEPS})
   oraclegs_use_pch(oraclegs_${name})
-  file(GLOB_RECURSE device_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/oraclegs/${name}/*.cu)
-  if(ORACLEGS_CUDA AND device_sources)
-    # Objects of their own: the floors' options do not reach nvcc.
-    add_library(oraclegs_${name}_device OBJECT ${device_sources})
-    oraclegs_device_code(oraclegs_${name}_device)
-    target_sources(oraclegs_${name} PRIVATE $<TARGET_OBJECTS:oraclegs_${name}_device>)
-  endif()
-  if(ORACLEGS_CUDA)
-    target_link_libraries(oraclegs_${name} PRIVATE CUDA::cudart)
-  endif()
   oraclegs_add_floor(${name} ${ARG_DEPS})
 endfunction()
 
@@ -115,6 +107,14 @@ function(oraclegs_device_code target)
   if(ORACLEGS_WERROR)
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:-Werror=all-warnings>)
   endif()
+endfunction()
+
+# A library of device code: what src/oraclegs/cuda exports, from the objects of `code`.
+function(oraclegs_cuda_library target code)
+  add_library(${target} MODULE ${CMAKE_SOURCE_DIR}/src/oraclegs/cuda/library.cpp)
+  target_link_libraries(${target} PRIVATE ${code})
+  add_dependencies(${target} oraclegs_core)  # which makes engine_source.h
+  set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
 endfunction()
 
 # Shares the one precompiled header.

@@ -128,8 +128,8 @@ stage_cuda() {
     exit 1
   }
   local configure=("${configure[@]}" -DORACLEGS_APPS=OFF -DCMAKE_CUDA_ARCHITECTURES=90)
-  build cuda cuda_tests gpu_bench
-  build/cuda/bin/cuda_tests --gtest_brief=1 | tail -n 3
+  build cuda cuda_tests cuda_library_tests gpu_bench
+  for tests in cuda_tests cuda_library_tests; do build/cuda/bin/$tests --gtest_brief=1 | tail -n 3; done
   python3 scripts/device_code.py --check
 }
 

@@ -48,8 +48,7 @@ AppChoices ChoicesHere() {
                       {"high", "High: the most detail, for much longer"}},
                      {{"auto", "The fastest there is"}},
                      "normal"};
-  const DeviceSupport support = ProbeDevices();
-  if (support.built && support.devices > 0) {
+  if (ProbeDevices().devices > 0) {
     choices.devices.push_back({"cuda", "Graphics card"});
     choices.devices.push_back({"cpu", "Processor"});
   }

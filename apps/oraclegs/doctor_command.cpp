@@ -65,14 +65,19 @@ Finding Gpu() {
   std::string found = fmt::format("{}", fmt::join(gpus.models, ", "));
   if (!gpus.driver.empty()) found += (found.empty() ? "" : ", ") + fmt::format("driver {}", gpus.driver);
   const std::string faster = "training several times as fast; without it the CPU computes";
-  if (support.built && support.devices > 0) {
+  if (support.devices > 0) {
     return {"gpu", found.empty() ? Counted(support.devices, "NVIDIA GPU") : found};
   }
-  if (gpus.models.empty()) {
+  if (!support.driver) {
     return {"gpu", "no NVIDIA GPU with a driver", false, faster, "where there is a GPU, install NVIDIA's driver"};
   }
-  if (!support.built) {
-    return {"gpu", found + ": not used", false, faster, "build this program with CUDA (-DORACLEGS_CUDA=ON)"};
+  if (found.empty()) found = "a driver";
+  if (!support.has_library) {
+    return {"gpu", found + ": not used", false, faster,
+            "install the package oraclegs-cuda, or build with -DORACLEGS_CUDA=ON"};
+  }
+  if (!support.no_library.empty()) {
+    return {"gpu", found + ": " + support.no_library, false, faster, "install both packages of one version"};
   }
   return {"gpu", found + ": does not answer", false, faster, "update the driver, and see what nvidia-smi says"};
 }

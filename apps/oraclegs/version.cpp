@@ -10,6 +10,8 @@
 #include <hwy/highway.h>
 
 #include "oraclegs/core/config.h"
+#include "oraclegs/core/cuda/memory.h"
+#include "oraclegs/core/cuda_library.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/subprocess.h"
 #include "oraclegs/core/text.h"
@@ -35,11 +37,11 @@ std::string NetworksText() {
 }
 
 std::string CudaText() {
-#ifdef ORACLEGS_CUDA
-  return "yes (" ORACLEGS_CUDA_VERSION ")";
-#else
-  return "no: built without it";
-#endif
+  if (!HasCudaLibrary()) return "no: liboraclegs_cuda.so is not installed";
+  const std::string why = WhyNoCudaLibrary();
+  if (!why.empty()) return why;
+  const int version = CudaFunction<decltype(cuda::RuntimeVersion)>("RuntimeVersion")();
+  return fmt::format("{}.{}", version / 1000, version % 1000 / 10);
 }
 
 /// The word after `before` in what a program prints; nothing where there is no such program.

@@ -106,13 +106,8 @@ TEST(Buffer, CopiesFromAnother) {
   EXPECT_EQ(ShapeMessage([&] { a.CopyFrom(Counting({5})); }), "[5] is copied to [2, 2]");
 }
 
-TEST(Buffer, RefusesADeviceThatTheBuildLacks) {
-  try {
-    Buffer<float>::Zeros({1}, {DeviceKind::kCuda, 12345});
-    FAIL() << "there is no such device";
-  } catch (const UsageError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("cuda:12345"));
-  }
+TEST(Buffer, RefusesADeviceThatIsNotThere) {
+  EXPECT_THROW((Buffer<float>::Zeros({1}, {DeviceKind::kCuda, 12345})), UsageError);
 }
 
 TEST(RequireShape, SaysWhatWasFoundAndExpected) {

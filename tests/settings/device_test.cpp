@@ -11,7 +11,9 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr DeviceSupport kNone, kTwoGpus{true, 2};
+const DeviceSupport kNone{0, false, "a GPU needs liboraclegs_cuda.so, which is not here", false}, kTwoGpus{2, true},
+    kOnlyLibrary{0, false}, kOnlyDriver{0, true, "a GPU needs liboraclegs_cuda.so, which is not here", false},
+    kBoth{0, true};
 
 std::string Refusal(const std::string& text, const DeviceSupport& support) {
   try {
@@ -31,10 +33,14 @@ TEST(DeviceTest, AutoTakesAGpuWhereThereIsOne) {
 }
 
 TEST(DeviceTest, NeverFallsBackToTheCpuSilently) {
-  EXPECT_THAT(Refusal("cuda", kNone), AllOf(HasSubstr("built without CUDA"), HasSubstr("--device cpu")));
-  EXPECT_THAT(Refusal("cuda:0", {true, 0}), HasSubstr("no NVIDIA GPU"));
+  EXPECT_THAT(Refusal("cuda", kNone),
+              AllOf(HasSubstr("no NVIDIA GPU with a driver"), HasSubstr("no library"), HasSubstr("--device cpu")));
+  EXPECT_THAT(Refusal("cuda:0", kOnlyLibrary), HasSubstr("no NVIDIA GPU with a working driver"));
+  EXPECT_THAT(Refusal("cuda:0", kOnlyDriver), HasSubstr("liboraclegs_cuda.so, which is not here"));
+  EXPECT_THAT(Refusal("cuda:0", kBoth), HasSubstr("does not answer, or is too old"));
+  EXPECT_THAT(Refusal("cuda:0", {0, true, "x.so: is of another build"}), HasSubstr("x.so: is of another build"));
   EXPECT_THAT(Refusal("cuda:2", kTwoGpus), HasSubstr("has 2 NVIDIA GPUs, numbered from 0"));
-  EXPECT_THAT(Refusal("cuda:1", {true, 1}), HasSubstr("has 1 NVIDIA GPU, numbered from 0"));
+  EXPECT_THAT(Refusal("cuda:1", {1, true}), HasSubstr("has 1 NVIDIA GPU, numbered from 0"));
 }
 
 TEST(DeviceTest, KnowsWhatIsFree) { EXPECT_GT(FreeBytes(kCpu), 0); }
@@ -55,9 +61,10 @@ TEST(DeviceTest, ReportsWhichGpu) {
   EXPECT_THAT(Reported((Device{DeviceKind::kCuda, 1}), kTwoGpus), testing::ElementsAre("computing on the GPU cuda:1"));
 }
 
-TEST(DeviceTest, ReportsWhyAProgramForGpusTakesTheCpu) {
-  EXPECT_THAT(Reported(kCpu, {true, 0}),
+TEST(DeviceTest, ReportsWhatIsMissingWhereSomethingIsThere) {
+  EXPECT_THAT(Reported(kCpu, kOnlyLibrary),
               testing::ElementsAre("computing on the CPU: this machine has no NVIDIA GPU with a working driver"));
+  EXPECT_THAT(Reported(kCpu, kOnlyDriver), testing::ElementsAre(HasSubstr("liboraclegs_cuda.so, which is not here")));
   EXPECT_THAT(Reported(kCpu, kNone), testing::IsEmpty());     // nothing else was to be expected
   EXPECT_THAT(Reported(kCpu, kTwoGpus), testing::IsEmpty());  // it was chosen
 }
@@ -100,8 +107,8 @@ TEST(DeviceTest, NetworksFallBackToTheCpuWithAWarning) {
 
 TEST(DeviceTest, SaysWhyNetworksComputeOnACpuThatNobodyAskedFor) {
   EXPECT_EQ(WhyNetworksOnCpu("cpu", kCpu, kNone), "");
-  EXPECT_THAT(WhyNetworksOnCpu("auto", kCpu, kNone), AllOf(HasSubstr("-DORACLEGS_CUDA=ON"), HasSubstr("libtorch")));
-  EXPECT_EQ(WhyNetworksOnCpu("auto", kCpu, {true, 0}), "this machine has no NVIDIA GPU with a working driver");
+  EXPECT_THAT(WhyNetworksOnCpu("auto", kCpu, kNone), HasSubstr("no NVIDIA GPU with a driver"));
+  EXPECT_EQ(WhyNetworksOnCpu("auto", kCpu, kOnlyLibrary), "this machine has no NVIDIA GPU with a working driver");
   if (!HasNetworksLibrary()) return;
   const std::string beside_gpu = WhyNetworksOnCpu("auto", {DeviceKind::kCuda, 0}, kTwoGpus);
   if (GetNetworks().has_cuda()) {

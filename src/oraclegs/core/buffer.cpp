@@ -3,19 +3,15 @@
 #include <new>
 #include <utility>
 
-#include "oraclegs/core/config.h"
-#if defined(ORACLEGS_CUDA)
-#include "oraclegs/core/cuda/check.h"
-#endif
+#include "oraclegs/core/cuda/memory.h"
+#include "oraclegs/core/cuda_library.h"
 
 namespace oraclegs {
 namespace {
 
 constexpr std::align_val_t kAlignment{64};  // a cache line, the widest vector
 
-[[noreturn, maybe_unused]] void ThrowNoDevice(Device device) {
-  throw UsageError("this build cannot use '{}'; use --device cpu", device.Name());
-}
+void UseDevice(Device device) { CudaFunction<decltype(cuda::UseDevice)>("UseDevice")(device.index); }
 
 }  // namespace
 
@@ -25,13 +21,8 @@ std::shared_ptr<Storage> Storage::Allocate(int64_t bytes, Device device, const c
   if (device.is_cpu()) {
     storage->data_ = ::operator new(static_cast<size_t>(std::max<int64_t>(bytes, 1)), kAlignment);
   } else {
-#if defined(ORACLEGS_CUDA)
-    cuda::UseDevice(device.index);
-    storage->data_ = cuda::AllocateDevice(bytes, purpose);
-#else
-    static_cast<void>(purpose);
-    ThrowNoDevice(device);
-#endif
+    UseDevice(device);
+    storage->data_ = CudaFunction<decltype(cuda::AllocateDevice)>("AllocateDevice")(bytes, purpose);
   }
   storage->bytes_ = bytes;
   return storage;
@@ -51,9 +42,7 @@ std::shared_ptr<Storage> Storage::Wrap(void* data, int64_t bytes, Device device,
 Storage::~Storage() {
   if (owner_ || data_ == nullptr) return;
   if (device_.is_cpu()) ::operator delete(data_, kAlignment);
-#if defined(ORACLEGS_CUDA)
-  if (device_.is_cuda()) cuda::FreeDevice(data_);
-#endif
+  if (device_.is_cuda()) CudaFunction<decltype(cuda::FreeDevice)>("FreeDevice")(data_);
 }
 
 void CopyBytes(void* to, Device to_device, const void* from, Device from_device, int64_t bytes) {
@@ -62,12 +51,8 @@ void CopyBytes(void* to, Device to_device, const void* from, Device from_device,
     std::memmove(to, from, static_cast<size_t>(bytes));
     return;
   }
-#if defined(ORACLEGS_CUDA)
-  cuda::UseDevice(to_device.is_cuda() ? to_device.index : from_device.index);
-  cuda::Copy(to, from, bytes);
-#else
-  ThrowNoDevice(to_device.is_cpu() ? from_device : to_device);
-#endif
+  UseDevice(to_device.is_cuda() ? to_device : from_device);
+  CudaFunction<decltype(cuda::Copy)>("Copy")(to, from, bytes);
 }
 
 void FillWithZeros(void* data, Device device, int64_t bytes) {
@@ -76,12 +61,8 @@ void FillWithZeros(void* data, Device device, int64_t bytes) {
     std::memset(data, 0, static_cast<size_t>(bytes));
     return;
   }
-#if defined(ORACLEGS_CUDA)
-  cuda::UseDevice(device.index);
-  cuda::FillWithZeros(data, bytes);
-#else
-  ThrowNoDevice(device);
-#endif
+  UseDevice(device);
+  CudaFunction<decltype(cuda::FillWithZeros)>("FillWithZeros")(data, bytes);
 }
 
 void RequireShape(const char* who, const char* name, bool defined, const Shape& shape,

@@ -64,4 +64,10 @@ NvidiaGpus FindNvidiaGpus(const fs::path& root) {
   return gpus;
 }
 
+bool HasNvidiaDriver(const fs::path& root) {
+  std::error_code ignored;
+  return fs::exists(root / "proc/driver/nvidia/version", ignored) ||
+         fs::exists(root / "usr/lib/wsl/lib/libcuda.so.1", ignored);
+}
+
 }  // namespace oraclegs

@@ -22,4 +22,7 @@ struct NvidiaGpus {
 
 NvidiaGpus FindNvidiaGpus(const std::filesystem::path& root = "/");
 
+/// True when NVIDIA's driver is there: the kernel's, or that of Windows around WSL2.
+bool HasNvidiaDriver(const std::filesystem::path& root = "/");
+
 }  // namespace oraclegs

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "oraclegs/core/config.h"
+#include "oraclegs/core/cuda_library.h"
 #include "oraclegs/core/error.h"
 
 namespace oraclegs {
@@ -40,11 +40,7 @@ class CpuPlaneSearch final : public PlaneSearch {
 
 std::unique_ptr<PlaneSearch> MakePlaneSearch(Device device) {
   if (device.is_cpu()) return std::make_unique<CpuPlaneSearch>();
-#if defined(ORACLEGS_CUDA)
-  return cuda::MakeCudaPlaneSearch(device.index);
-#else
-  throw UsageError("this build finds depth on the CPU only, {} was asked for; use --device cpu", device.Name());
-#endif
+  return CudaFunction<decltype(cuda::MakeCudaPlaneSearch)>("MakeCudaPlaneSearch")(device.index);
 }
 
 }  // namespace oraclegs

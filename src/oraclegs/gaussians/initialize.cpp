@@ -8,15 +8,13 @@
 #include <stdexcept>
 
 #include "oraclegs/camera/scene_bounds.h"
-#include "oraclegs/core/config.h"
+#include "oraclegs/core/cuda/memory.h"
+#include "oraclegs/core/cuda_library.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/rng.h"
+#include "oraclegs/gaussians/cuda/neighbors.h"
 #include "oraclegs/gaussians/neighbors.h"
 #include "oraclegs/gaussians/ply_header.h"
-#if defined(ORACLEGS_CUDA)
-#include "oraclegs/core/cuda/check.h"
-#include "oraclegs/gaussians/cuda/neighbors.h"
-#endif
 
 namespace oraclegs {
 namespace {
@@ -141,14 +139,8 @@ namespace {
 
 std::vector<double> MeansOn(Device device, const std::vector<Eigen::Vector3f>& points) {
   if (device.is_cpu()) return KdTree(points).MeanSquaredDistanceToThree();
-#if defined(ORACLEGS_CUDA)
-  if (device.is_cuda()) {
-    cuda::UseDevice(device.index);
-    return cuda::MeanSquaredDistanceToThree(points);
-  }
-#endif
-  throw UsageError("this build looks for neighbors on the CPU only, '{}' was asked for; use --device cpu",
-                   device.Name());
+  CudaFunction<decltype(cuda::UseDevice)>("UseDevice")(device.index);
+  return CudaFunction<decltype(cuda::MeanSquaredDistanceToThree)>("MeanSquaredDistanceToThree")(points);
 }
 
 }  // namespace

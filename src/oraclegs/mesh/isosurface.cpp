@@ -1,31 +1,21 @@
 #include "oraclegs/mesh/isosurface.h"
 
-#include <dlfcn.h>
-
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/files.h"
+#include "oraclegs/core/loaded_library.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr const char* kOpenVdbLibrary = "liboraclegs_openvdb.so";
-constexpr const char* kOpenVdbFunction = "oraclegs_openvdb_isosurface";
-
 IsosurfaceFunction* LoadIsosurface() {
-  const auto file = FindLibraryFile(kOpenVdbLibrary);
+  const LibraryKind kind{"liboraclegs_openvdb.so", "meshes", nullptr, "", "install the Debian package libopenvdb-dev"};
+  const auto file = FindLibraryOf(kind);
   if (!file) {
     throw UsageError(
         "a mesh needs OpenVDB, and {} is not here; install the Debian packages libopenvdb-dev and libboost-dev, and "
         "build oraclegs again",
-        kOpenVdbLibrary);
+        kind.file);
   }
-  void* handle = dlopen(file->c_str(), RTLD_NOW | RTLD_LOCAL);
-  void* function = handle != nullptr ? dlsym(handle, kOpenVdbFunction) : nullptr;
-  if (function == nullptr) {
-    throw UsageError("{}: cannot be loaded; install libopenvdb-dev, and build oraclegs again ({})", file->string(),
-                     dlerror());
-  }
-  return reinterpret_cast<IsosurfaceFunction*>(function);
+  return LoadedLibrary(kind, *file).Find<IsosurfaceFunction>("oraclegs_openvdb_isosurface");
 }
 
 IsosurfaceFunction* LoadedIsosurface() {

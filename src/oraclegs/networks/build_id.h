@@ -4,13 +4,12 @@
 #include <cstdint>
 #include <string>
 
-#include "oraclegs/core/config.h"
 #include "oraclegs/networks/networks.h"
 #include "oraclegs/scene/loaded_view.h"
 
 namespace oraclegs {
 
-/// Hash of the sizes of the types that cross the border, of the compiler, and of CUDA support.
+/// Hash of the sizes of the types that cross the border, and of the compiler.
 consteval uint64_t SharedLayout() {
   uint64_t hash = 0xcbf29ce484222325;
   const auto add = [&hash](uint64_t value) { hash = (hash ^ value) * 0x100000001b3; };
@@ -22,9 +21,6 @@ consteval uint64_t SharedLayout() {
     add(size);
   }
   for (const char* c = __VERSION__; *c != '\0'; ++c) add(static_cast<uint64_t>(*c));
-#if defined(ORACLEGS_CUDA)
-  add(1);
-#endif
   return hash;
 }
 

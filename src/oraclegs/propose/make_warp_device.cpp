@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "oraclegs/core/config.h"
+#include "oraclegs/core/cuda_library.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/propose/warp_shading.h"
 
@@ -109,11 +109,8 @@ class CpuWarpDevice : public WarpDevice {
 std::unique_ptr<WarpDevice> MakeWarpDevice(Device device, const WarpSources& sources) {
   static_cast<void>(sources);  // the CPU reads the caller's images
   if (device.is_cpu()) return std::make_unique<CpuWarpDevice>();
-#if defined(ORACLEGS_CUDA)
-  return cuda::MakeCudaWarpDevice(sources, device.index);
-#else
-  throw UsageError("this build warps views on the CPU only, {} was asked for; use --device cpu", device.Name());
-#endif
+  return CudaFunction<decltype(cuda::MakeCudaWarpDevice)>("MakeCudaWarpDevice")(sources, device.index,
+                                                                                cuda::kListedSamples);
 }
 
 }  // namespace oraclegs

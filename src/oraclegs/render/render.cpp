@@ -1,6 +1,6 @@
 #include "oraclegs/render/render.h"
 
-#include "oraclegs/core/config.h"
+#include "oraclegs/core/cuda_library.h"
 
 namespace oraclegs {
 
@@ -14,10 +14,7 @@ void GradientConsumer::ConsumeOnDevice(const cuda::GaussianBackwardInput&) {
 
 std::unique_ptr<Rasterizer> MakeRasterizer(Device device) {
   if (device.is_cpu()) return cpu::MakeCpuRasterizer();
-#if defined(ORACLEGS_CUDA)
-  if (device.is_cuda()) return cuda::MakeCudaRasterizer(device);
-#endif
-  throw UsageError("this build has no rasterizer for '{}'; use --device cpu", device.Name());
+  return CudaFunction<decltype(cuda::MakeCudaRasterizer)>("MakeCudaRasterizer")(device, 0);
 }
 
 }  // namespace oraclegs

@@ -3,13 +3,12 @@
 #include <charconv>
 #include <string_view>
 
-#include "oraclegs/core/config.h"
+#include "oraclegs/core/cuda/memory.h"
+#include "oraclegs/core/cuda_library.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/host.h"
+#include "oraclegs/core/machine.h"
 #include "oraclegs/networks/loader.h"
-#if defined(ORACLEGS_CUDA)
-#include "oraclegs/core/cuda/check.h"
-#endif
 
 namespace oraclegs {
 namespace {
@@ -30,19 +29,23 @@ int CudaIndex(std::string_view text) {
 
 /// Reason why no GPU can be used; empty when one can.
 std::string WhyNoGpu(const DeviceSupport& support) {
-  if (!support.built) return "this program was built without CUDA; build it with -DORACLEGS_CUDA=ON";
-  if (support.devices == 0) return "this machine has no NVIDIA GPU with a working driver";
-  return "";
+  if (support.devices > 0) return "";
+  if (!support.has_library && !support.driver) {
+    return "this machine has no NVIDIA GPU with a driver, and this program no library for one (liboraclegs_cuda.so)";
+  }
+  if (!support.no_library.empty()) return support.no_library;
+  if (!support.driver) return "this machine has no NVIDIA GPU with a working driver";
+  return "the NVIDIA driver of this machine does not answer, or is too old; update it, and see what nvidia-smi says";
 }
 
 }  // namespace
 
 DeviceSupport ProbeDevices() {
   DeviceSupport support;
-#if defined(ORACLEGS_CUDA)
-  support.built = true;
-  support.devices = cuda::DeviceCount();
-#endif
+  support.driver = HasNvidiaDriver();
+  support.has_library = HasCudaLibrary();
+  support.no_library = WhyNoCudaLibrary();
+  if (support.no_library.empty()) support.devices = CudaFunction<decltype(cuda::DeviceCount)>("DeviceCount")();
   return support;
 }
 
@@ -61,26 +64,22 @@ Device ChooseDevice(const std::string& text, const DeviceSupport& support) {
 }
 
 int64_t FreeBytes(Device device) {
-#if defined(ORACLEGS_CUDA)
-  if (device.is_cuda()) {
-    cuda::UseDevice(device.index);
-    return cuda::MemoryOfDevice().free;
-  }
-#endif
-  return device.is_cpu() ? static_cast<int64_t>(AvailableMemory()) : 0;
+  if (device.is_cpu()) return static_cast<int64_t>(AvailableMemory());
+  CudaFunction<decltype(cuda::UseDevice)>("UseDevice")(device.index);
+  return CudaFunction<decltype(cuda::MemoryOfDevice)>("MemoryOfDevice")().free;
 }
 
 void ReportDevice(Device device, const DeviceSupport& support, const Listener& listener) {
   if (device.is_cuda()) {
     listener(Note{fmt::format("computing on the GPU {}", device.Name())});
-  } else if (support.built && !WhyNoGpu(support).empty()) {
+  } else if (support.devices == 0 && (support.driver || support.has_library)) {
     listener(Note{fmt::format("computing on the CPU: {}", WhyNoGpu(support))});
   }
 }
 
 std::string WhyNetworksOnCpu(const std::string& text, Device device, const DeviceSupport& support) {
   if (text == "cpu") return "";
-  if (device.is_cpu()) return WhyNoGpu(support) + (support.built ? "" : " and with a libtorch that has CUDA");
+  if (device.is_cpu()) return WhyNoGpu(support);
   return GetNetworks().has_cuda() ? "" : kNoCudaInLibtorch;
 }
 

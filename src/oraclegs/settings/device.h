@@ -9,10 +9,13 @@
 
 namespace oraclegs {
 
-/// Support for GPUs in this program and on this machine.
+/// Support for GPUs on this machine.
 struct DeviceSupport {
-  bool built = false;  ///< true when the program was compiled with CUDA
-  int devices = 0;     ///< number of NVIDIA GPUs whose driver answers
+  int devices = 0;      ///< number of NVIDIA GPUs that this program can compute on
+  bool driver = false;  ///< true when NVIDIA's driver is there
+  /// Why the library of device code (core/cuda_library.h) cannot be used; empty = it can.
+  std::string no_library = {};
+  bool has_library = true;  ///< false when there is no such file
 };
 
 DeviceSupport ProbeDevices();
@@ -24,8 +27,8 @@ Device ChooseDevice(const std::string& text, const DeviceSupport& support);
 /// Free memory of the device in bytes; 0 = unknown.
 int64_t FreeBytes(Device device);
 
-/// Notes which GPU computes, or why a program built with CUDA computes on the CPU. Says nothing in a build without
-/// CUDA, or when the CPU was chosen on a machine with a GPU.
+/// Notes which GPU computes, or, where a GPU's driver or the library is there and the other one is not, what is
+/// missing. Says nothing where neither is there, or when the CPU was chosen on a machine with a GPU.
 void ReportDevice(Device device, const DeviceSupport& support, const Listener& listener);
 
 /// Why networks would compute on a CPU that nobody asked for, and what helps: the start of a message. "" where a GPU

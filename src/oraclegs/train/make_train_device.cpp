@@ -3,7 +3,7 @@
 #include <optional>
 #include <utility>
 
-#include "oraclegs/core/config.h"
+#include "oraclegs/core/cuda_library.h"
 #include "oraclegs/render/render.h"
 #include "oraclegs/train/mcmc.h"
 #include "oraclegs/train/method_part.h"
@@ -161,10 +161,7 @@ std::unique_ptr<TrainDevice> MakeCpuTrainDevice(const TrainDeviceSetup& setup) {
 
 std::unique_ptr<TrainDevice> MakeTrainDevice(Device device, const TrainDeviceSetup& setup) {
   if (device.is_cpu()) return MakeCpuTrainDevice(setup);
-#if defined(ORACLEGS_CUDA)
-  if (device.is_cuda()) return cuda::MakeCudaTrainDevice(device, setup);
-#endif
-  throw UsageError("this build trains on the CPU only, '{}' was asked for; use --device cpu", device.Name());
+  return CudaFunction<decltype(cuda::MakeCudaTrainDevice)>("MakeCudaTrainDevice")(device, setup);
 }
 
 }  // namespace oraclegs

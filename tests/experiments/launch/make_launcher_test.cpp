@@ -10,7 +10,7 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-constexpr DeviceSupport kNoGpu{false, 0}, kThreeGpus{true, 3};
+const DeviceSupport kNoGpu, kThreeGpus{3, true};
 
 TEST(WorkersFor, IsOneOnACpu) {
   const LocalWorkers workers = WorkersFor({}, kNoGpu, "");

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "oraclegs/core/cuda/check.h"
+#include "oraclegs/core/cuda/memory.h"
 
 namespace oraclegs::cuda {
 

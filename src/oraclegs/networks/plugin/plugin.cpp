@@ -12,11 +12,11 @@
 #include "oraclegs/networks/seva/model.h"
 #include "oraclegs/networks/vggt/attention_network.h"
 #include "oraclegs/networks/vggt/poses.h"
-#if defined(ORACLEGS_CUDA) && __has_include(<c10/cuda/impl/cuda_cmake_macros.h>)  // made where libtorch has CUDA
+#if defined(ORACLEGS_CUDA)
 #include <c10/cuda/CUDACachingAllocator.h>
 
-#include "oraclegs/core/cuda/check.h"
-#define ORACLEGS_TORCH_KEEPS_MEMORY 1
+#include "oraclegs/core/cuda/memory.h"
+#include "oraclegs/core/cuda_library.h"
 #endif
 
 namespace oraclegs {
@@ -25,10 +25,12 @@ namespace {
 class TorchNetworks : public Networks {
  public:
   TorchNetworks() {
-#if defined(ORACLEGS_TORCH_KEEPS_MEMORY)
+#if defined(ORACLEGS_CUDA)
     // libtorch keeps device memory that it does not use; the engine frees it through this before its own allocations
     // fail.
-    if (has_cuda()) cuda::SetOutOfMemoryCallback([] { c10::cuda::CUDACachingAllocator::emptyCache(); });
+    if (!has_cuda() || !HasCudaLibrary()) return;
+    CudaFunction<decltype(cuda::SetOutOfMemoryCallback)>("SetOutOfMemoryCallback")(
+        [] { c10::cuda::CUDACachingAllocator::emptyCache(); });
 #endif
   }
 

@@ -1,7 +1,5 @@
 #include "oraclegs/networks/seva/kernels.h"
 
-#include "oraclegs/core/config.h"
-
 #if defined(ORACLEGS_CUDA) || defined(ORACLEGS_EMULATED_CUDA)
 #include <c10/core/DeviceGuard.h>
 
