@@ -10,6 +10,12 @@ and no scene has lost more than seeds differ.
   bench/suite.py DATA OUT                                        # this program with and without proposals, three baselines
   bench/suite.py DATA OUT --methods ours --before OUT_BEFORE     # a change against runs of the program before it
   bench/suite.py DATA OUT --scenes fox-12,fern-3 --seeds 1 --options "--iterations 1500 --max-gaussians 30000"
+
+With --tampering each scene is a tampering benchmark (`oraclegs ablate --compare tampering`): models of it lie in a share of the
+proposed pixels. The table has the PSNR without proposals, with all of them trusted alike, as the oracle says and as an ideal
+oracle would, and how well the oracle knows the tampered pixels (AUROC) where photos see. OUT has pictures, masks and JSON.
+
+  bench/suite.py DATA OUT --tampering --options "--shares 30"
 """
 
 import argparse
@@ -34,17 +40,28 @@ SCENES = {  # folder in DATA, protocol; docs/benchmarks.md says where they come 
 }
 METHODS = "ours,ours-no-proposals,dropgaussian,cor-gs,fsgs"
 SCORES = ("psnr", "ssim", "psnr_color_corrected")
+TRUSTS = ("none", "uniform", "oracle", "ideal")
+
+
+def command_of(data, out, name, options):
+    """The command line of a scene's benchmark."""
+    folder, protocol = SCENES[name]
+    if options.tampering:
+        command, what = ["ablate", data / folder], ["--compare", "tampering"]
+    else:
+        command, what = ["bench", "--suite", data / folder], ["--methods", ",".join(options.methods)]
+    return [options.program, *command, "-o", out / name, *what, "--seeds", options.seeds, *protocol.split(),
+            *shlex.split(options.options)]  # fmt: skip
 
 
 def score_all(data, out, options):
     """Runs the benchmarks of the scenes that are there, one after the other."""
     for name in options.scenes:
-        folder, protocol = SCENES[name]
+        folder = SCENES[name][0]
         if not (data / folder).is_dir():
             print(f"{data / folder}: is not there, {name} is left out", file=sys.stderr)
             continue
-        command = [options.program, "bench", "--suite", data / folder, "-o", out / name, "--methods", ",".join(options.methods),
-                   "--seeds", options.seeds, *protocol.split(), *shlex.split(options.options)]  # fmt: skip
+        command = command_of(data, out, name, options)
         print("+", *command, file=sys.stderr, flush=True)
         if subprocess.run([str(word) for word in command], stdout=subprocess.DEVNULL).returncode:
             sys.exit(f"{out / name}: the benchmark failed; its last words stand above")
@@ -101,6 +118,22 @@ def table(found, methods):
     return "\n".join(lines)
 
 
+def tampering_table(out, scenes):
+    """A row for each scene and share: PSNR of each trust, AUROC of the oracle; of the scenes that have a report."""
+    lines = ["| scene | tampered | " + " | ".join(TRUSTS) + " | AUROC |", "| --- " * (len(TRUSTS) + 3) + "|"]
+    for name in scenes:
+        try:
+            report = json.loads((out / name / "tampering.json").read_text())
+        except OSError:
+            continue
+        for share in report["shares"]:
+            cells = [share["psnr"][trust] for trust in TRUSTS]
+            words = ["" if of is None else f"{of['mean']:.2f}" for of in cells]
+            auroc = "" if share["auroc"] is None else f"{share['auroc']:.3f}"
+            lines.append(f"| {name} | {share['percent']} % | " + " | ".join(words) + f" | {auroc} |")
+    return "\n".join(lines)
+
+
 def lead(found, methods):
     """How far the first method is ahead of the one of the others that is best in the mean, scene by scene."""
     first, *others = methods
@@ -140,7 +173,8 @@ def main():
     parser.add_argument("--scenes", default=",".join(SCENES), help="default: %(default)s")
     parser.add_argument("--methods", default=METHODS, help="default: %(default)s")
     parser.add_argument("--seeds", type=int, default=3, help="default: %(default)s")
-    parser.add_argument("--options", default="", help="options of `oraclegs bench` for all scenes")
+    parser.add_argument("--options", default="", help="options of `oraclegs bench` for all scenes (with --tampering of `oraclegs ablate`)")
+    parser.add_argument("--tampering", action="store_true", help="how far the oracle protects each scene from lies")
     parser.add_argument("--before", type=Path, help="folder of benchmarks to compare the first method with")
     parser.add_argument("--program", default=BIN, help="default: %(default)s")
     options = parser.parse_args()
@@ -148,6 +182,9 @@ def main():
     if unknown := [name for name in options.scenes if name not in SCENES]:
         parser.error(f"--scenes names {', '.join(unknown)}; there are {', '.join(SCENES)}")
     score_all(options.data, options.out, options)
+    if options.tampering:
+        print(tampering_table(options.out, options.scenes))
+        return
     found = read(options.out, options.scenes, options.methods)
     print(table(found, options.methods))
     if text := lead(found, options.methods):

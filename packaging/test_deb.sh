@@ -2,7 +2,8 @@
 # Installs the packages in a bare Debian 12 and runs them there: a test of what they depend on. Needs root (mmdebstrap makes
 # the system below a temporary folder, which is removed afterwards) and a Debian mirror; takes some minutes.
 #   packaging/test_deb.sh [--networks] [FOLDER_OF_PACKAGES]     FOLDER: build/package/packages
-# --networks also installs oraclegs-networks, which brings libtorch: 400 MB more.
+# --networks also installs oraclegs-networks, which brings libtorch: 400 MB more. Where oraclegs-cuda was built, it is installed
+# and has to say what it lacks; with build/release beside it, the installed program also runs on the emulated GPU of the tests.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -76,6 +77,26 @@ inside oraclegs --version
 inside test -s /usr/share/man/man1/oraclegs.1.gz
 inside test -s /usr/share/bash-completion/completions/oraclegs
 inside test -s /usr/share/doc/oraclegs/THIRD_PARTY_NOTICES.md
+
+if compgen -G "$packages/oraclegs-cuda_*.deb" >/dev/null; then
+  cuda=/$(cd "$root" && ls packages/oraclegs-cuda_*.deb)
+  step "apt install $cuda"
+  echo "brings: $(sizes_of "$cuda")"
+  inside apt-get -q -y install "$cuda" >"$root/tmp/log" 2>&1 || { tail -n 30 "$root/tmp/log" >&2; exit 1; }
+  echo "is itself $(du -m --apparent-size "$root"/usr/lib/*/oraclegs/liboraclegs_cuda.so | cut -f1) MB"
+  inside oraclegs --version | grep '^cuda  *[0-9]'
+  inside oraclegs demo-scene /tmp/tiny --demo-views 6 --width 96 --height 72 --samples 1 --quiet
+  small=(reconstruct /tmp/tiny -o /tmp/tiny_out --init random --proposers none --iterations 30 --max-gaussians 500 --set random-points=400)
+  if [[ ! -e /proc/driver/nvidia/version ]]; then
+    inside oraclegs "${small[@]}" --device cuda 2>&1 | tail -n 1 | tee "$root/tmp/log"
+    grep -q 'no NVIDIA GPU with a working driver' "$root/tmp/log"
+  fi
+  emulated=build/release/lib/liboraclegs_cuda_emulated.so
+  if [[ -e $emulated ]]; then
+    install -D -t "$root/tmp" "$emulated"
+    inside env ORACLEGS_CUDA_LIBRARY=/tmp/liboraclegs_cuda_emulated.so oraclegs "${small[@]}" --device cuda 2>&1 | grep 'on the GPU'
+  fi
+fi
 
 step "photos without poses: registered by colmap"
 inside oraclegs demo-scene /tmp/scene --demo-views 8 --quiet

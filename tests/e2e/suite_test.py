@@ -21,6 +21,12 @@ given = dict(zip(words, words[1:]))
 out, runs = pathlib.Path(given["-o"]), []
 if "--fail" in words:
     sys.exit("oraclegs: error: no")
+if words[0] == "ablate":
+    out.mkdir(parents=True)
+    psnr = {{"none": None, "uniform": {{"mean": 20}}, "oracle": {{"mean": 22.5}}, "ideal": {{"mean": 23}}}}
+    (out / "tampering.json").write_text(json.dumps({{"shares": [{{"percent": 30, "psnr": psnr, "auroc": 0.9512}}]}}))
+    (out / "words").write_text(" ".join(words))
+    sys.exit()
 for method in given["--methods"].split(","):
     for seed in range(int(given["--seeds"])):
         folder = out / "runs" / f"{{method}}-{{seed}}"
@@ -85,6 +91,13 @@ class Suite(unittest.TestCase):
             file.write_text(json.dumps({"test": {**test, "psnr": test["psnr"] - 0.25}}))
         out, _ = self.run_suite("--methods", "ours", "--scenes", "fox-12", "--before", self.folder / "before")
         self.assertIn("ours: +0.25 dB in the mean (fox-12 +0.25); it pays", out)
+
+    def test_tampering_is_measured_on_each_scene(self):
+        out, _ = self.run_suite("--tampering", "--scenes", "fox-12", "--seeds", "1", "--options=--shares 30")
+        words = (self.folder / "out/fox-12/words").read_text()
+        self.assertEqual(words, f"ablate {self.folder}/fox -o {self.folder}/out/fox-12 --compare tampering "
+                                "--seeds 1 --views 12 --downscale 4 --shares 30")  # fmt: skip
+        self.assertEqual(out.splitlines()[2], "| fox-12 | 30 % |  | 20.00 | 22.50 | 23.00 | 0.951 |")
 
     def test_a_failed_benchmark_ends_the_suite(self):
         with self.assertRaisesRegex(SystemExit, "fox-12: the benchmark failed"):
