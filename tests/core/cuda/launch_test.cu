@@ -41,7 +41,7 @@ __global__ void WarpOperations(unsigned* out) {
   mine[3] = __shfl_sync(kAllLanes, lane, 7);
   mine[4] = static_cast<unsigned>(__syncthreads_count(lane < 4));
   mine[5] = 0;
-  if (lane < 16) mine[5] = __reduce_add_sync(0xffffu, lane);  // half of the warp
+  if (lane < 16) mine[5] = __shfl_xor_sync(0xffffu, lane, 15);  // half of the warp
 }
 
 TEST_F(LaunchTest, RunsEveryThreadOnce) {
@@ -79,7 +79,7 @@ TEST_F(LaunchTest, WarpOperationsSeeTheirLanes) {
     EXPECT_EQ(values[6 * i + 2], lane ^ 5);
     EXPECT_EQ(values[6 * i + 3], 7u);
     EXPECT_EQ(values[6 * i + 4], 8u);
-    EXPECT_EQ(values[6 * i + 5], lane < 16 ? 120u : 0u);
+    EXPECT_EQ(values[6 * i + 5], lane < 16 ? 15 - lane : 0u);
   }
 }
 

@@ -39,20 +39,6 @@ T Shuffle(unsigned mask, T value, int from, int width) {
   return Unpack<T>(values[from]);
 }
 
-/// fold(a, b) over the values of the mask, lane by lane.
-template <class T, class Fold>
-T Reduce(unsigned mask, T value, const Fold& fold) {
-  const uint64_t* values = SyncWarp(mask, WarpOp::kReduce, Pack(value));
-  bool first = true;
-  T sum{};
-  for (int lane = 0; lane < 32; ++lane) {
-    if (!(mask >> lane & 1)) continue;
-    sum = first ? Unpack<T>(values[lane]) : fold(sum, Unpack<T>(values[lane]));
-    first = false;
-  }
-  return sum;
-}
-
 }  // namespace emulated_cuda
 
 template <class T>
@@ -82,18 +68,6 @@ inline unsigned __ballot_sync(unsigned mask, int predicate) {
 }
 inline int __any_sync(unsigned mask, int predicate) { return __ballot_sync(mask, predicate) != 0; }
 inline int __all_sync(unsigned mask, int predicate) { return __ballot_sync(mask, predicate) == mask; }
-template <std::integral T>
-T __reduce_add_sync(unsigned mask, T value) {
-  return emulated_cuda::Reduce(mask, value, [](T a, T b) { return a + b; });
-}
-template <std::integral T>
-T __reduce_max_sync(unsigned mask, T value) {
-  return emulated_cuda::Reduce(mask, value, [](T a, T b) { return a > b ? a : b; });
-}
-template <std::integral T>
-T __reduce_min_sync(unsigned mask, T value) {
-  return emulated_cuda::Reduce(mask, value, [](T a, T b) { return a < b ? a : b; });
-}
 
 template <class T>
 T atomicAdd(T* at, std::type_identity_t<T> value) {

@@ -24,7 +24,7 @@ void RunGrid(const char* kernel, dim3 grid, dim3 block, const std::function<void
 int64_t SyncBlock(int64_t value);
 
 /// Which warp operation a lane takes part in: all of a mask must agree.
-enum class WarpOp { kSync, kShuffle, kVote, kReduce };
+enum class WarpOp { kSync, kShuffle, kVote };
 
 /// Waits for all lanes of `mask`, each bringing a value. Returns 32 values, of which those of the mask are set; they
 /// are valid until the thread waits again.

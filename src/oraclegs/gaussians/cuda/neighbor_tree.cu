@@ -34,6 +34,12 @@ __global__ void StartTree(NeighborTree tree) {
   if (i < tree.n) tree.order[i] = static_cast<uint32_t>(i);
 }
 
+/// Largest value of the warp's lanes, in each of them. (Turing has no instruction for it.)
+__device__ uint32_t WarpMax(uint32_t value) {
+  for (int lanes = kWarp / 2; lanes > 0; lanes /= 2) value = max(value, __shfl_xor_sync(kAllLanes, value, lanes));
+  return value;
+}
+
 /// The largest of whole numbers is the same in any order. A warp within one node asks for each side once.
 __global__ void NodeBoxes(NeighborTree tree, int level) {
   const int64_t i = static_cast<int64_t>(blockIdx.x) * kBlock + threadIdx.x;
@@ -46,8 +52,8 @@ __global__ void NodeBoxes(NeighborTree tree, int level) {
   for (int axis = 0; axis < 3; ++axis) {
     uint32_t above = Ordered(point[axis]), below = ~above;
     if (alone) {
-      above = __reduce_max_sync(kAllLanes, above);
-      below = __reduce_max_sync(kAllLanes, below);
+      above = WarpMax(above);
+      below = WarpMax(below);
     }
     if (alone ? threadIdx.x % kWarp == 0 : has_point) {
       atomicMax(box->above + axis, above);
