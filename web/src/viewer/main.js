@@ -186,6 +186,11 @@ listenForKeys({
   f: () => (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen?.().catch(() => {})),
 });
 
+// The app's page around this one says what its edits are.
+window.addEventListener('message', ({origin, source, data}) => {
+  if (origin === window.location.origin && source === window.parent && data?.edits) scene?.edit(data.edits);
+});
+
 globalThis.oraclegs = {scene, session};  // for the console and for tests
 session.start().then(() => {
   if (!session.asked) say('The program does not answer.');
