@@ -1,6 +1,7 @@
 // Tests of the page of `oraclegs app` in headless Chromium.
 //   node tests/browser/app.mjs --program PATH    starts the program on a library of its own
 //   node tests/browser/app.mjs --url ADDRESS     a running one, by the address that it printed; what kills it is left out
+// ORACLEGS_FULL_DISK: the library of tests/faults/full_disk.cpp; without it the check of a full disk is left out.
 // --screenshots FOLDER: keeps what the page looks like; --only NAME: one check.
 import {mkdirSync, mkdtempSync, rmSync} from 'node:fs';
 import {tmpdir} from 'node:os';
@@ -8,6 +9,7 @@ import {join, resolve} from 'node:path';
 import {parseArgs} from 'node:util';
 import * as checks from './app_checks.mjs';
 import {flow} from './app_flow.mjs';
+import * as media from './app_media.mjs';
 import {makePhotos, startApp} from './app_program.mjs';
 import {launch} from './browser.mjs';
 import {checker} from './check.mjs';
@@ -16,6 +18,7 @@ const {values: options} = parseArgs({options: {
   program: {type: 'string'}, url: {type: 'string'}, screenshots: {type: 'string'}, only: {type: 'string'}}});
 if (!options.program === !options.url) throw new Error('give --program PATH or --url ADDRESS');
 const program = options.program && resolve(options.program);
+const fullDisk = process.env.ORACLEGS_FULL_DISK;
 const folder = mkdtempSync(join(tmpdir(), 'oraclegs_app_'));
 if (options.screenshots) mkdirSync(options.screenshots, {recursive: true});
 
@@ -33,6 +36,10 @@ try {
   const given = {app, program, photos, folder, screenshot, start};
   await check('unreadable', () => checks.unreadable(browser, given));
   await check('many_files', () => checks.manyFiles(browser, given));
+  await check('ten_thousand', () => media.tenThousand(browser, given));
+  await check('heic', () => media.heic(browser, given));
+  if (program) await check('media', () => media.media(browser, given));
+  if (program && fullDisk) await check('full_disk', () => media.fullDisk(browser, {...given, start: startApp, library: fullDisk}));
   await check('looks', () => checks.looks(browser, given));
   await check('keyboard', () => checks.keyboard(browser, given));
   await check('flow', () => flow(browser, given));

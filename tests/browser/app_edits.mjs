@@ -2,7 +2,8 @@
 import assert from 'node:assert/strict';
 import {cpSync, existsSync, readdirSync} from 'node:fs';
 import {join} from 'node:path';
-import {projectOf} from './app_steps.mjs';
+import {openApp, projectOf} from './app_steps.mjs';
+import {DESKTOP} from './browser.mjs';
 
 const PLAIN = {crop: 'none', up: 'auto', scale: 'auto', min_support: 0, max_uncertainty: 1, remove_outliers: false};
 
@@ -96,4 +97,24 @@ export async function compares(page, library) {
   for (const i of [0, 1]) await page.frameLocator('.pair-frames iframe').nth(i).locator('.stage[data-drawn]').waitFor({timeout: 60000});
   assert.match(await frames.nth(1).getAttribute('title'), /another splat/);
   assert.notEqual(await frames.nth(0).getAttribute('src'), await frames.nth(1).getAttribute('src'));
+}
+
+// A browser without WebGL: words in place of the 3D view, and the download works. id: of a finished splat.
+export async function withoutWebGL(browser, app, id) {
+  const {page, problems, close} = await openApp(browser, DESKTOP, app);
+  await page.addInitScript(() => {
+    const real = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...rest) { return kind.startsWith('webgl') ? null : real.call(this, kind, ...rest); };
+  });
+  await page.goto(`${app.origin}/#/p/${id}`);
+  await page.reload();
+  await page.frameLocator('.tab-view iframe').getByText('needs WebGL 2').waitFor();
+  const [file] = await Promise.all([page.waitForEvent('download', {timeout: 120000}), page.getByRole('button', {name: 'Download SPZ'}).click()]);
+  assert.match(file.suggestedFilename(), /\.spz$/);
+  await page.locator('summary', {hasText: 'Change'}).click();
+  await page.getByRole('radio', {name: /^A box/}).check();
+  await page.getByText('Type the six numbers').waitFor();
+  await page.getByRole('radio', {name: /^Everything/}).check();
+  await close();
+  assert.deepEqual(problems, []);
 }

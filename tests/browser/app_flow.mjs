@@ -4,7 +4,7 @@ import {execFileSync} from 'node:child_process';
 import {readFileSync} from 'node:fs';
 import {join} from 'node:path';
 import {gunzipSync} from 'node:zlib';
-import {compares, edits} from './app_edits.mjs';
+import {compares, edits, withoutWebGL} from './app_edits.mjs';
 import {begin, openApp, projectOf, remove, stateIs, stored} from './app_steps.mjs';
 import {objections} from './axe.mjs';
 import {DESKTOP} from './browser.mjs';
@@ -36,6 +36,7 @@ export async function flow(browser, {app, program, photos, folder, screenshot}) 
   await shows();
   await downloads();
   await edits(page, id, look);
+  await withoutWebGL(browser, app, id);
   if (program) await compares(page, join(folder, 'library'));
   await page.getByRole('tab', {name: 'Splat'}).click();
   await remove(page, id);

@@ -102,6 +102,7 @@ ProjectState StateOf(const Project& project) {
       break;
   }
   if (IsFolderLocked(project.splat())) return is(ProjectPhase::kElsewhere);
+  if (!project.problem.empty()) return {ProjectPhase::kFailed, project.problem, std::move(live)};
   if (project.record.queued > 0) return is(ProjectPhase::kWaiting);
   if (!project.is_foreign) return StateAtRest(project, std::move(live));
   const bool finished = fs::exists(project.splat() / "point_cloud.ply");

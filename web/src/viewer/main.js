@@ -74,7 +74,7 @@ try {
   scene.setVisible(roles.visible);
   modes.element.append(new LensSlider(scene).element);
 } catch (error) {
-  say(`The 3D view needs WebGL 2: ${error.message}. The images beside it work without.`);
+  say(`The 3D view needs WebGL 2, with which browsers draw in 3D: ${error.message}. Try another browser; the images beside it work without.`);
 }
 
 fold(Boolean(scene));
