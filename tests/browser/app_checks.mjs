@@ -26,6 +26,7 @@ export async function unreadable(browser, {app, photos}) {
   await page.getByRole('button', {name: `Remove ${good[0].name}`}).click();
   await page.waitForFunction(({path, name}) => fetch(path).then((answer) => answer.json()).then(({files}) => files.every((file) => file.name !== name)),
     {path: `api/projects/${id}`, name: good[0].name});
+  await page.locator('.photo', {hasText: good[0].name}).waitFor({state: 'detached'});  // the page knows it, too
   await drop(page, [good[0]]);
   await page.locator('.photo[data-state=stored]', {hasText: good[0].name}).waitFor();
   await remove(page, id);
