@@ -3,7 +3,7 @@
 //   node tests/browser/app.mjs --url ADDRESS     a running one, by the address that it printed; what kills it is left out
 // ORACLEGS_FULL_DISK: the library of tests/faults/full_disk.cpp; without it the check of a full disk is left out.
 // --screenshots FOLDER: keeps what the page looks like; --only NAME: one check.
-import {mkdirSync, mkdtempSync, rmSync} from 'node:fs';
+import {existsSync, mkdirSync, mkdtempSync, rmSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join, resolve} from 'node:path';
 import {parseArgs} from 'node:util';
@@ -18,7 +18,7 @@ const {values: options} = parseArgs({options: {
   program: {type: 'string'}, url: {type: 'string'}, screenshots: {type: 'string'}, only: {type: 'string'}}});
 if (!options.program === !options.url) throw new Error('give --program PATH or --url ADDRESS');
 const program = options.program && resolve(options.program);
-const fullDisk = process.env.ORACLEGS_FULL_DISK;
+const fullDisk = existsSync(process.env.ORACLEGS_FULL_DISK ?? '') && process.env.ORACLEGS_FULL_DISK;
 const folder = mkdtempSync(join(tmpdir(), 'oraclegs_app_'));
 if (options.screenshots) mkdirSync(options.screenshots, {recursive: true});
 

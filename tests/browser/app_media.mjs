@@ -45,7 +45,7 @@ export async function media(browser, {app, photos, folder}) {
     await stored(page, 1);
     const [kept] = (await projectOf(page, id)).files;
     assert.deepEqual([kept.name, kept.bytes], [file.name, file.bytes.length]);
-    assert.equal(await page.locator('h1').textContent(), 'walk', 'it is called as the file');
+    await page.locator('h1').getByText('walk', {exact: true}).waitFor();  // it is called as the file
     await findsPhotos(page, id);
     await remove(page, id);
   }
