@@ -107,6 +107,7 @@ export class Edits {
     this.up.value = edits.up;
     this.scale.value = edits.scale === 'auto' ? '' : String(edits.scale);
     this.showBox();
+    this.frames.preview(edits);
     this.showState(edits);
   }
 
@@ -116,7 +117,6 @@ export class Edits {
     this.undoAll.setAttribute('aria-disabled', String(!changed));
     this.undo.setAttribute('aria-disabled', String(this.steps.past.length === 0));
     this.redo.setAttribute('aria-disabled', String(this.steps.future.length === 0));
-    this.frames.preview(edits);
     setText(this.state, changed ? 'Kept: every download from now on is changed like this.' : '');
   }
 
