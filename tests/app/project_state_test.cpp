@@ -12,6 +12,7 @@ namespace oraclegs {
 namespace {
 
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::IsEmpty;
 
 class ProjectStateTest : public testing::Test {
@@ -41,6 +42,7 @@ TEST_F(ProjectStateTest, FollowsWhatTheRunWrites) {
   EXPECT_EQ(Now().phase, ProjectPhase::kStopped);
   WriteLive(R"({"state": "running", "lock": true})");
   EXPECT_EQ(Now().phase, ProjectPhase::kStopped) << "it was killed";
+  EXPECT_THAT(Now().message, HasSubstr("start it again here")) << "people of the page type no command";
 }
 
 TEST_F(ProjectStateTest, AStartThatFailedAtItsInputSaysWhy) {

@@ -8,12 +8,14 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "support/errors.h"
+#include "support/file_size_limit.h"
 #include "support/wait_until.h"
 
 namespace oraclegs {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 /// A run that goes on until it is asked to stop.
 constexpr const char* kLongRun = R"(trap 'echo stopped >> "$(dirname "$0")/calls"; exit 130' INT
@@ -114,6 +116,25 @@ TEST_F(RunQueueTest, AProgramThatCannotStartIsAFailureInWords) {
   queue.Add(first, "draft", "cpu");
   EXPECT_TRUE(Reaches(first, ProjectPhase::kFailed));
   EXPECT_THAT(StateOf(Now(first)).message, HasSubstr("there is no such program"));
+}
+
+TEST_F(RunQueueTest, ADiskThatTakesNothingIsAFailureInWords) {
+  RunQueue queue(program, &library);
+  queue.Add(first, "draft", "cpu");
+  EXPECT_TRUE(Reaches(first, ProjectPhase::kRunning));
+  queue.Add(second, "draft", "cpu");
+  {
+    const FileSizeLimit full(0);
+    SignalProgram(Now(first).record.process, SIGINT);
+    EXPECT_TRUE(Reaches(second, ProjectPhase::kFailed));
+    EXPECT_THAT(StateOf(Now(second)).message, HasSubstr("File too large"));
+    EXPECT_EQ(queue.PositionOf(Now(second)), 0);
+  }
+  EXPECT_THAT(ReadFile(dir / "calls"), Not(HasSubstr(second.paths.photos().string() + " "))) << "nothing was started";
+  queue.Add(second, "draft", "cpu");
+  EXPECT_TRUE(Reaches(second, ProjectPhase::kRunning)) << "with room again";
+  queue.Stop(Now(second));
+  EXPECT_TRUE(Reaches(second, ProjectPhase::kStopped));
 }
 
 }  // namespace

@@ -26,6 +26,7 @@ export async function unreadable(browser, {app, photos}) {
   await page.getByRole('button', {name: `Remove ${good[0].name}`}).click();
   await page.waitForFunction(({path, name}) => fetch(path).then((answer) => answer.json()).then(({files}) => files.every((file) => file.name !== name)),
     {path: `api/projects/${id}`, name: good[0].name});
+  await page.locator('.photo', {hasText: good[0].name}).waitFor({state: 'detached'});  // the page knows it, too
   await drop(page, [good[0]]);
   await page.locator('.photo[data-state=stored]', {hasText: good[0].name}).waitFor();
   await remove(page, id);
@@ -36,7 +37,7 @@ export async function unreadable(browser, {app, photos}) {
 // All arrive, four at a time, and small pictures are made only of those that are seen.
 export async function manyFiles(browser, {app}) {
   const {page, problems, close} = await openApp(browser, DESKTOP, app);
-  const count = 500;
+  const count = 200;
   await page.evaluate(() => {
     const {send} = XMLHttpRequest.prototype;
     globalThis.uploads = {open: 0, most: 0};
@@ -47,7 +48,7 @@ export async function manyFiles(browser, {app}) {
     };
   });
   const id = await begin(page, tinyPhotos(count));
-  await page.getByLabel('Name').fill('Five hundred');  // the page answers meanwhile
+  await page.getByLabel('Name').fill('Two hundred');  // the page answers meanwhile
   await stored(page, count);
   const {most} = await page.evaluate(() => globalThis.uploads);
   assert.ok(most <= 4 && most > 1, `${most} uploads at a time`);

@@ -4,6 +4,7 @@ import {execFileSync} from 'node:child_process';
 import {readFileSync} from 'node:fs';
 import {join} from 'node:path';
 import {gunzipSync} from 'node:zlib';
+import {compares, edits, withoutWebGL} from './app_edits.mjs';
 import {begin, openApp, projectOf, remove, stateIs, stored} from './app_steps.mjs';
 import {objections} from './axe.mjs';
 import {DESKTOP} from './browser.mjs';
@@ -34,7 +35,9 @@ export async function flow(browser, {app, program, photos, folder, screenshot}) 
   await runs();
   await shows();
   await downloads();
-  await keepsEdits();
+  await edits(page, id, look);
+  await withoutWebGL(browser, app, id);
+  if (program) await compares(page, join(folder, 'library'));
   await page.getByRole('tab', {name: 'Splat'}).click();
   await remove(page, id);
   await other.getByText('There is no such splat').waitFor();
@@ -129,31 +132,5 @@ export async function flow(browser, {app, program, photos, folder, screenshot}) 
       assert.match(said.replaceAll(',', ''), new RegExp(`\\b${gaussians}\\b`), 'the program reads it back');
     }
     await page.locator('.exports a').first().waitFor();
-  }
-
-  async function keepsEdits() {
-    const open = () => page.locator('summary', {hasText: 'Change'}).click();
-    const edits = async () => (await projectOf(page, id)).edits;
-    await page.getByRole('tab', {name: 'Splat'}).click();
-    await open();
-    await page.getByRole('radio', {name: /^A box/}).check();
-    await page.waitForFunction(() => [...document.querySelectorAll('.box-grid input')].every(({value}) => value !== ''));  // around what is looked at
-    await page.locator('.box-grid input').first().fill('-1.5');
-    await page.locator('.box-grid input').first().press('Tab');
-    await page.getByRole('radio', {name: /^Hide what photos hardly show/}).check();
-    await page.getByText('Kept: every download').waitFor();
-    await page.getByLabel('Remove specks').check();
-    await page.waitForFunction(async (path) => (await (await fetch(path)).json()).edits.remove_outliers, `api/projects/${id}`);
-    const kept = await edits();
-    assert.match(kept.crop, /^box:-1\.5(,-?[\d.e-]+){5}$/);
-    assert.equal(kept.min_support, 0.25);
-    await page.reload();
-    await open();
-    assert.ok(await page.getByRole('radio', {name: /^A box/}).isChecked());
-    assert.equal(await page.locator('.box-grid input').first().inputValue(), '-1.5');
-    await look('changes');
-    await page.getByRole('button', {name: 'Undo all of it'}).click();
-    await page.getByText('All changes are undone').waitFor();
-    assert.deepEqual(await edits(), {crop: 'none', up: 'auto', scale: 'auto', min_support: 0, max_uncertainty: 1, remove_outliers: false});
   }
 }

@@ -27,11 +27,11 @@ export const tinyPhotos = (count) => Array.from({length: count}, (_, i) => {
 });
 
 // {address, origin, port, end(signal)}; address: what it prints, to be opened.
-export async function startApp(program, folder, port = 0) {
+export async function startApp(program, folder, port = 0, env = {}) {
   const library = join(folder, 'library');
   mkdirSync(join(folder, 'data'), {recursive: true});  // where the trash is
   const child = spawn(program, ['app', '--library', library, '--no-browser', '--port', String(port)], {
-    stdio: ['ignore', 'pipe', 'inherit'], env: {...process.env, XDG_DATA_HOME: join(folder, 'data')}});
+    stdio: ['ignore', 'pipe', 'inherit'], env: {...process.env, XDG_DATA_HOME: join(folder, 'data'), ...env}});
   const ended = new Promise((done) => child.once('exit', done));
   const address = await new Promise((found, fail) => {
     let text = '';

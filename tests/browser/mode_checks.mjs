@@ -66,6 +66,49 @@ export async function modes(browser, {assets, screenshot}) {
   await server.close();
 }
 
+// What the app's edits leave out is not drawn, and comes back; specks are those that float alone.
+export async function cuts(browser, {assets, screenshot}) {
+  const {gaussians, sides} = makeSides();
+  const camera = makeCamera(-0.7);
+  const speck = {position: [0, -1.3, 0], scales: [0.03, 0.03, 0.03], opacity: 0.99, color: [1, 1, 1]};
+  const all = [...gaussians, speck];
+  const left = ({position}) => position[0] < -0.45;
+  const support = Uint8Array.from(all, (one) => (left(one) ? 50 : 255));
+  const document = {
+    format: 1, kind: 'run', title: 'three sides', views: [{id: 0, name: 'a', role: 'train', camera}], place: {up: [0, -1, 0], center: [0.3, -0.8, 0.1], radius: 0.6},
+    splat: {url: 'splat.spz', format: 'spz', gaussians: all.length, support: {url: 'support.bin'}}};
+  const files = new Map([['splat.spz', encodeSpz(all)], ['support.bin', Buffer.from(support)]]);
+  const server = await startServer(assets, {document, live: null, files});
+  const {page, problems, close} = await openPage(browser, DESKTOP, server.url);
+  await page.goto(server.url);
+  await page.locator('.stage[data-drawn]').waitFor();
+  const places = [...sides.map(({center}) => center), speck.position];
+  const seen = async (edits) => {
+    await page.evaluate((data) => window.postMessage({edits: data}, window.location.origin), edits);
+    await page.waitForFunction((data) => globalThis.oraclegs.scene.edits.name === data.name, edits);
+    if (edits.remove_outliers) await page.waitForFunction(() => globalThis.oraclegs.scene.specks);
+    await settled(page);
+    const image = await shownImage(page, SIZE.width, SIZE.height);
+    return places.map((place) => {
+      const p = project(camera, place);
+      return pixel(image, p.x, p.y)[0] > 60;
+    });
+  };
+  const [L, T, F, S] = [0, 1, 2, 3];  // left, top and front side, and the speck
+  const gone = (...which) => places.map((_, i) => !which.includes(i));
+  assert.deepEqual(await seen({name: 'nothing'}), gone());
+  assert.deepEqual(await seen({name: 'box', crop: 'box:-0.45,-0.75,-2,2,2,2'}), gone(L, T, S), 'a box');
+  await screenshot(page, 'viewer_box');
+  assert.ok(await page.evaluate(() => globalThis.oraclegs.scene.cut.edges.parent), 'its edges are shown');
+  assert.deepEqual(await seen({name: 'ball', crop: 'auto'}), gone(L, F), 'what the cameras look at');
+  assert.deepEqual(await seen({name: 'support', crop: 'none', min_support: 0.25}), gone(L), 'little support');
+  assert.deepEqual(await seen({name: 'specks', remove_outliers: true}), gone(S), 'specks');
+  assert.deepEqual(await seen({name: 'wrong', crop: 'box:1,2,none'}), gone(), 'no box');
+  assert.deepEqual(problems, []);
+  await close();
+  await server.close();
+}
+
 function isColor(seen, wanted, what) {
   const off = Math.max(...seen.map((v, k) => Math.abs(v - wanted[k])));
   assert.ok(off < NEAR_COLOR, `${what} is ${seen}, not ${wanted.map(Math.round)}`);

@@ -17,7 +17,7 @@ import {makeRun} from './fixture.mjs';
 import * as fixture from './fixture_checks.mjs';
 import {live} from './live_checks.mjs';
 import {writeReport} from './report_file.mjs';
-import {modes} from './mode_checks.mjs';
+import {cuts, modes} from './mode_checks.mjs';
 import * as report from './report_checks.mjs';
 import {startServer} from './server.mjs';
 import * as viewer from './viewer_checks.mjs';
@@ -55,6 +55,7 @@ async function checkFixture(browser) {
   await checkViewer(browser, url);
   await check('provenance', () => fixture.classesHaveTheirColors(browser, {url, run}));
   await check('modes', () => modes(browser, {assets, screenshot}));
+  await check('cuts', () => cuts(browser, {assets, screenshot}));
   await check('no_webgl', () => fixture.saysThatWebGLIsMissing(browser, {url}));
   await check('little', () => fixture.copesWithLittle(browser, {assets, run}));
   await check('live', () => live(browser, {assets, screenshot}));

@@ -43,7 +43,7 @@ std::optional<Project> ProjectIn(const fs::path& folder) {
   std::error_code ignored;
   const std::string name = folder.filename().string();
   if (!fs::is_directory(fs::symlink_status(folder, ignored)) || !IsPlainPath(name) || name.front() == '.') return {};
-  Project project{IdOf(name), ProjectPaths(folder), false, {}};
+  Project project{IdOf(name), ProjectPaths(folder), false, {}, ""};
   if (IsRegular(project.paths.record())) {
     project.record = ReadProjectRecord(project.paths);
     return project;
@@ -77,7 +77,7 @@ std::vector<Project> Library::Projects() const {
   std::vector<Project> projects;
   std::error_code error;
   for (fs::directory_iterator it(root_, error), end; !error && it != end; it.increment(error)) {
-    if (auto project = ProjectIn(it->path())) projects.push_back(std::move(*project));
+    if (auto project = In(it->path())) projects.push_back(std::move(*project));
   }
   std::sort(projects.begin(), projects.end(),
             [](const Project& a, const Project& b) { return a.paths.root() < b.paths.root(); });
@@ -88,14 +88,14 @@ std::optional<Project> Library::Find(const std::string& id) const {
   const std::lock_guard guard(mutex_);
   std::error_code error;
   for (fs::directory_iterator it(root_, error), end; !error && it != end; it.increment(error)) {
-    if (IdOf(it->path().filename().string()) == id) return ProjectIn(it->path());
+    if (IdOf(it->path().filename().string()) == id) return In(it->path());
   }
   return std::nullopt;
 }
 
 Project Library::Create(const std::string& name) {
   const std::lock_guard guard(mutex_);
-  Project project{"", ProjectPaths(""), false, {}};
+  Project project{"", ProjectPaths(""), false, {}, ""};
   project.record.name = CleanName(name);
   const std::string base = FolderNameOf(project.record.name);
   std::error_code error;
@@ -120,6 +120,19 @@ void Library::Update(const std::string& id, const std::function<void(ProjectReco
   ProjectRecord record = ReadProjectRecord(project->paths);
   change(&record);
   WriteProjectRecord(project->paths, record);
+}
+
+void Library::SetProblem(const std::string& id, const std::string& problem) {
+  const std::lock_guard guard(mutex_);
+  problems_[id] = problem;
+}
+
+std::optional<Project> Library::In(const fs::path& folder) const {
+  std::optional<Project> project = ProjectIn(folder);
+  if (!project) return project;
+  const auto found = problems_.find(project->id);
+  if (found != problems_.end()) project->problem = found->second;
+  return project;
 }
 
 bool Library::Trash(const Project& project) const {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -20,6 +21,7 @@ struct Project {
   ProjectPaths paths;
   bool is_foreign = false;  ///< the workspace of a run from a command line: shown, not changed
   ProjectRecord record;
+  std::string problem;  ///< why it could not be started, of this app's time alone: the disk may take nothing
   /// Workspace of the run.
   std::filesystem::path splat() const { return is_foreign ? paths.root() : paths.splat(); }
 };
@@ -40,6 +42,8 @@ class Library {
   Project Create(const std::string& name);
   /// Changes a record and writes it. Throws RunError; InputError when there is no such project of the app.
   void Update(const std::string& id, const std::function<void(ProjectRecord*)>& change);
+  /// Says why a project cannot be started; "" where nothing is wrong.
+  void SetProblem(const std::string& id, const std::string& problem);
   /// Moves the folder to the desktop's trash; false where there is none.
   bool Trash(const Project& project) const;
   /// Removes the folder for good. Throws RunError.
@@ -49,9 +53,12 @@ class Library {
   uint64_t FreeBytes() const;
 
  private:
+  std::optional<Project> In(const std::filesystem::path& folder) const;
+
   std::filesystem::path root_;
   std::optional<FolderLock> lock_;
   mutable std::mutex mutex_;
+  std::map<std::string, std::string> problems_;  ///< by the project's id
 };
 
 /// Number of a file or folder by its name, as 16 hexadecimal digits.

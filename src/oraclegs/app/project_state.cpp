@@ -45,6 +45,14 @@ nlohmann::json LiveOf(const Project& project) {
   return live ? ParseJsonOrDiscard(live->json) : nlohmann::json();
 }
 
+/// A message for people who see a page and type no command.
+std::string ForThePage(std::string message) {
+  constexpr std::string_view kCommand = "run the same command again", kButton = "start it again here";
+  const size_t at = message.find(kCommand);
+  if (at != std::string::npos) message.replace(at, kCommand.size(), kButton);
+  return message;
+}
+
 /// State of a run that nobody writes, by its files.
 ProjectState StateAtRest(const Project& project, nlohmann::json live) {
   const std::string state = TextIn(live, "state"), message = OneLine(TextIn(live, "message"));
@@ -102,8 +110,13 @@ ProjectState StateOf(const Project& project) {
       break;
   }
   if (IsFolderLocked(project.splat())) return is(ProjectPhase::kElsewhere);
+  if (!project.problem.empty()) return {ProjectPhase::kFailed, project.problem, std::move(live)};
   if (project.record.queued > 0) return is(ProjectPhase::kWaiting);
-  if (!project.is_foreign) return StateAtRest(project, std::move(live));
+  if (!project.is_foreign) {
+    ProjectState at_rest = StateAtRest(project, std::move(live));
+    at_rest.message = ForThePage(std::move(at_rest.message));
+    return at_rest;
+  }
   const bool finished = fs::exists(project.splat() / "point_cloud.ply");
   return is(finished ? ProjectPhase::kFinished : ProjectPhase::kStopped);
 }

@@ -1,6 +1,7 @@
 #include "oraclegs/app/run_queue.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <system_error>
@@ -20,10 +21,21 @@ constexpr size_t kMinPhotos = 3;
 
 bool IsBusy(const Project& project) { return StateOf(project.record.process) != ProgramState::kGone; }
 
+bool Waits(const Project& project) { return project.record.queued > 0 && project.problem.empty(); }
+
+/// An error in words for people who see the page and no file.
+std::string InPlainWords(const std::string& error) {
+  for (const int full : {ENOSPC, EDQUOT}) {
+    if (error.find(SystemReason(full)) == std::string::npos) continue;
+    return "The disk is full. Make room there, then press “Try again”.";
+  }
+  return error;
+}
+
 /// The project whose turn it is: none while another one runs.
 std::optional<Project> NextOf(std::vector<Project> projects) {
   if (std::any_of(projects.begin(), projects.end(), IsBusy)) return std::nullopt;
-  std::erase_if(projects, [](const Project& project) { return project.record.queued <= 0; });
+  std::erase_if(projects, [](const Project& project) { return !Waits(project); });
   const auto next = std::min_element(projects.begin(), projects.end(), [](const Project& a, const Project& b) {
     return a.record.queued < b.record.queued;
   });
@@ -70,6 +82,7 @@ void RunQueue::Add(const Project& project, const std::string& quality, const std
   library_->Update(project.id, [&](ProjectRecord* record) {
     record->queued = last + 1, record->quality = quality, record->device = device;
   });
+  library_->SetProblem(project.id, "");
   wake_.notify_all();
 }
 
@@ -91,10 +104,10 @@ bool RunQueue::Resume(const Project& project) {
 }
 
 int RunQueue::PositionOf(const Project& project) const {
-  if (project.record.queued <= 0) return 0;
+  if (!Waits(project)) return 0;
   int position = 1;
   for (const Project& other : library_->Projects()) {
-    if (other.record.queued > 0 && other.record.queued < project.record.queued) ++position;
+    if (Waits(other) && other.record.queued < project.record.queued) ++position;
   }
   return position;
 }
@@ -102,17 +115,22 @@ int RunQueue::PositionOf(const Project& project) const {
 void RunQueue::StartNext() {
   const std::optional<Project> next = NextOf(library_->Projects());
   if (!next) return;
-  // It leaves the queue first: where records cannot be written it must not be started again and again.
-  library_->Update(next->id, [](ProjectRecord* record) { record->queued = 0, record->started = true; });
-  std::error_code ignored;
-  fs::remove(next->paths.log(), ignored);
   ProcessMark process;
   try {
-    process = StartDetached(ReconstructArgv(program_, *next), next->paths.log());
-  } catch (const Error& error) {  // shown as the run's own
-    WriteFileAtomically(next->paths.log(), fmt::format("error: {}\n", error.what()));
+    // Nothing starts whose record cannot be written: nobody would find it again.
+    library_->Update(next->id, [](ProjectRecord* record) { record->started = true; });
+    std::error_code ignored;
+    fs::remove(next->paths.log(), ignored);
+    try {
+      process = StartDetached(ReconstructArgv(program_, *next), next->paths.log());
+    } catch (const Error& error) {  // shown as the run's own
+      WriteFileAtomically(next->paths.log(), fmt::format("error: {}\n", error.what()));
+    }
+    library_->Update(next->id, [&](ProjectRecord* record) { record->queued = 0, record->process = process; });
+  } catch (const Error& error) {  // and is not tried again and again
+    SignalSession(process, SIGKILL);
+    library_->SetProblem(next->id, InPlainWords(error.what()));
   }
-  library_->Update(next->id, [&](ProjectRecord* record) { record->process = process; });
 }
 
 void RunQueue::Work() {
@@ -120,7 +138,7 @@ void RunQueue::Work() {
   while (!stop_) {
     try {
       StartNext();
-    } catch (const std::exception&) {  // the disk is full or the folder was removed: once more in a moment
+    } catch (const std::exception&) {  // the library cannot be read: once more in a moment
     }
     wake_.wait_for(lock, kLook);
   }

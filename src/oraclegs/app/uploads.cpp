@@ -145,6 +145,16 @@ void AddFiles(const fs::path& folder, const char* folder_name, std::vector<Uploa
   uploads->insert(uploads->end(), found.begin(), found.end());
 }
 
+/// How many files have names in a folder; cheap, since it is asked before each of ten thousand uploads.
+size_t NamesIn(const fs::path& folder) {
+  std::error_code error;
+  size_t names = 0;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (!it->path().filename().string().starts_with('.')) ++names;
+  }
+  return names;
+}
+
 }  // namespace
 
 std::vector<Upload> UploadsOf(const ProjectPaths& paths) {
@@ -161,7 +171,7 @@ Upload ReceiveUpload(const ProjectPaths& paths, const std::string& name, const W
   const uint64_t bytes = *request.content_length;
   if (bytes == 0) throw UploadRefusal{400, "the file is empty"};
   if (bytes > limits.media_bytes) throw UploadRefusal{413, "the file is too large"};
-  if (UploadsOf(paths).size() >= limits.files) {
+  if (NamesIn(paths.photos()) + NamesIn(paths.media()) >= limits.files) {
     body.Refuse(413, fmt::format("a project holds at most {} files", limits.files));
   }
   std::error_code error;

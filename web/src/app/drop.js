@@ -2,12 +2,12 @@
 import {h} from '../shared/dom.js';
 import {button} from './parts.js';
 
-const MOST_FILES = 10000;  // more than anybody has photographed; a whole disk dropped by mistake ends here
+export const MOST_FILES = 10000;  // of a project; a whole disk dropped by mistake ends here, too
 
 const wanted = (name) => !name.startsWith('.') && name !== 'Thumbs.db' && name !== 'desktop.ini';
 
 async function filesIn(entry, out) {
-  if (out.length >= MOST_FILES || !wanted(entry.name) || entry.name === '__MACOSX') return;
+  if (out.length > MOST_FILES || !wanted(entry.name) || entry.name === '__MACOSX') return;
   if (entry.isFile) {
     out.push(await new Promise((done, fail) => entry.file(done, fail)));
     return;

@@ -2,10 +2,10 @@
 import {h, uniqueId} from '../shared/dom.js';
 import {post, projectPath} from './api.js';
 import {Choices} from './choices.js';
-import {attempt, button, say, setText} from './parts.js';
+import {announce, attempt, button, say, setText} from './parts.js';
 import {focusOf} from './frames.js';
 import {Measure} from './measure.js';
-import {canDo} from './states.js';
+import {canDo, countOf} from './states.js';
 
 const PLAIN = {crop: 'none', up: 'auto', scale: 'auto', min_support: 0, max_uncertainty: 1, remove_outliers: false};
 
@@ -18,13 +18,18 @@ const SUPPORTS = [
 const UPS = [
   ['auto', 'as other programs expect'], ['y', 'along y'], ['-y', 'against y'], ['z', 'along z'], ['-z', 'against z'], ['x', 'along x'], ['-x', 'against x']];
 const CORNERS = [['from', 0], ['to', 3]];
+const NAMES = {crop: 'what is kept', up: 'which way is up', scale: 'the size', min_support: 'what is hidden', remove_outliers: 'the specks'};
+
+const same = (a, b) => Object.keys(PLAIN).every((name) => a[name] === b[name]);
+const stepsOf = new Map();  // by id of a project: edits before and, after an undo, behind those that are kept
 
 const round = (value) => Number(value.toPrecision(4));
 
 export class Edits {
   // frames: has the 3D view
-  constructor(session, frames) {
-    Object.assign(this, {session, frames, turn: 0, keptAt: 0, sent: Promise.resolve()});  // turn: of the newest change that is being kept
+  constructor(session, id, frames) {
+    if (!stepsOf.has(id)) stepsOf.set(id, {past: [], future: []});
+    Object.assign(this, {session, frames, steps: stepsOf.get(id), turn: 0, keptAt: 0, sent: Promise.resolve()});  // turn: of the newest change that is being kept
     const save = () => this.save();
     this.crop = new Choices('Keep', CROPS, () => {
       this.showBox();
@@ -48,15 +53,34 @@ export class Edits {
       save();
     });
     this.state = h('p', {class: 'note', role: 'status'});
-    this.undo = button('Undo all of it', () => this.reset());
-    this.fields = h('fieldset', {class: 'bare stack'}, h('legend', {class: 'visually-hidden'}, 'Changes'), this.crop.element, this.box, this.support.element,
+    this.undo = button('Undo', () => this.step('past'), {title: 'Ctrl+Z'});
+    this.redo = button('Redo', () => this.step('future'), {title: 'Ctrl+Shift+Z'});
+    this.undoAll = button('Undo all of it', () => this.reset());
+    this.fields = h('fieldset', {class: 'bare stack'}, h('legend', {class: 'visually-hidden'}, 'Changes'), h('div', {class: 'row'}, this.undo, this.redo, this.undoAll), this.crop.element, this.box, this.support.element,
       h('label', {class: 'check'}, this.specks, h('span', {}, 'Remove specks that float far from the rest')),
-      h('label', {class: 'field'}, h('span', {}, 'Which way is up'), this.up),
+      h('label', {class: 'field'}, h('span', {}, 'Which way is up in the file'), this.up), h('p', {class: 'note'}, 'The 3D view shows it upright in any case.'),
       h('label', {class: 'field'}, h('span', {}, 'Make it this many times as large'), this.scale),
-      h('p', {class: 'note', id: scaleNote}, 'Empty: as it is, or in meters where the photos tell.'), this.measure.element, this.undo);
+      h('p', {class: 'note', id: scaleNote}, 'Empty: as it is, or in meters where the photos tell.'), this.measure.element);
+    this.fields.addEventListener('input', () => this.preview());
     this.element = h('section', {class: 'card', 'aria-label': 'Change'}, h('details', {class: 'fold-card'},
       h('summary', {}, h('h2', {}, 'Change'), h('span', {class: 'note'}, 'cut out, clean, turn, scale')),
-      h('div', {class: 'stack'}, h('p', {class: 'note'}, 'The splat itself stays as it is. Every file that you download is changed like this.'), this.fields, this.state)));
+      h('div', {class: 'stack'}, h('p', {class: 'note'}, 'The splat itself stays as it is. Every file that you download is changed like this, and the 3D view shows it.'), this.fields, this.state)));
+    this.listener = (event) => this.key(event);
+    document.addEventListener('keydown', this.listener);
+    frames.onViewKey = this.listener;
+  }
+
+  close() {
+    document.removeEventListener('keydown', this.listener);
+  }
+
+  // Fields that one types in undo by themselves.
+  key(event) {
+    const typing = event.target.closest?.('input:not([type=radio]):not([type=checkbox]), textarea');
+    if (!(event.ctrlKey || event.metaKey) || event.altKey || event.key.toLowerCase() !== 'z' || typing) return;
+    if (this.element.hidden || document.querySelector('dialog[open]')) return;
+    event.preventDefault();
+    this.step(event.shiftKey ? 'future' : 'past');
   }
 
   focus() {
@@ -76,19 +100,23 @@ export class Edits {
   show(edits) {
     const box = /^box:(.*)$/.exec(edits.crop);
     this.crop.value = box ? 'box' : edits.crop;
+    this.wanted = edits;
     if (box) this.fillBox(box[1].split(',').map(Number));
     this.support.value = String([0.75, 0.5, 0.25, 0].find((step) => edits.min_support >= step));
     this.specks.checked = Boolean(edits.remove_outliers);
     this.up.value = edits.up;
     this.scale.value = edits.scale === 'auto' ? '' : String(edits.scale);
     this.showBox();
+    this.frames.preview(edits);
     this.showState(edits);
   }
 
   showState(edits) {
     this.edits = edits;
-    const changed = Object.keys(PLAIN).some((name) => edits[name] !== PLAIN[name]);
-    this.undo.setAttribute('aria-disabled', String(!changed));
+    const changed = !same(edits, PLAIN);
+    this.undoAll.setAttribute('aria-disabled', String(!changed));
+    this.undo.setAttribute('aria-disabled', String(this.steps.past.length === 0));
+    this.redo.setAttribute('aria-disabled', String(this.steps.future.length === 0));
     setText(this.state, changed ? 'Kept: every download from now on is changed like this.' : '');
   }
 
@@ -135,25 +163,56 @@ export class Edits {
     return {...this.edits, crop: crop || 'none', up: this.up.value, scale, min_support: Number(this.support.value), remove_outliers: this.specks.checked};
   }
 
-  async save(edits = this.read()) {
-    if (this.crop.value === 'box' && edits.crop === 'none') return;  // not all numbers are there yet
+  // In the 3D view, while somebody types or chooses.
+  preview() {
+    if (this.crop.value !== 'box' || this.boxText) this.frames.preview(this.read());
+  }
+
+  save(edits = this.read()) {
+    if (this.crop.value === 'box' && edits.crop === 'none') return undefined;  // not all numbers are there yet
+    if (same(edits, this.wanted)) return undefined;
+    this.steps.past.push(this.wanted);
+    this.steps.future.length = 0;
+    return this.keep(edits);
+  }
+
+  // One step back ("past") or forth ("future").
+  step(way) {
+    const {[way]: from, [way === 'past' ? 'future' : 'past']: to} = this.steps;
+    while (from.length > 0 && same(from.at(-1), this.wanted)) from.pop();  // could not be kept
+    const edits = from.pop();
+    if (!edits) {
+      announce(way === 'past' ? 'There is nothing to undo.' : 'There is nothing to redo.');
+      return;
+    }
+    const changed = Object.keys(NAMES).filter((name) => edits[name] !== this.wanted[name]).map((name) => NAMES[name]);
+    to.push(this.wanted);
+    this.show(edits);
+    this.keep(edits);
+    announce(`${way === 'past' ? 'Undone' : 'Redone'}: ${changed.join(', ')}. ${countOf(from.length, 'more step')} to ${way === 'past' ? 'undo' : 'redo'}.`);
+  }
+
+  async keep(edits) {
+    this.wanted = edits;
+    this.frames.preview(edits);
     const turn = ++this.turn;
     this.sent = this.sent.then(() => attempt(() => post(projectPath(this.project.id, 'edits'), edits)));
     const kept = await this.sent;
-    if (turn !== this.turn) return;  // something else was changed meanwhile
+    if (turn !== this.turn) return kept;  // something else was changed meanwhile
     this.turn = 0;
     this.keptAt = performance.now();
     if (kept) this.known = JSON.stringify({...PLAIN, ...edits});
     if (kept) this.showState(edits);  // the fields show it; somebody may be typing in them
-    else this.show(this.edits);
+    else this.show(JSON.parse(this.known));
     this.session.poll();
+    return kept;
   }
 
   async reset() {
-    if (this.undo.getAttribute('aria-disabled') === 'true') return;
-    this.numbers.forEach((input) => { input.value = ''; });
+    if (this.undoAll.getAttribute('aria-disabled') === 'true') return;
+    this.steps.past.push(this.wanted);
+    this.steps.future.length = 0;
     this.show({...PLAIN});
-    await this.save({...PLAIN});
-    say('All changes are undone.');
+    if (await this.keep({...PLAIN})) say('All changes are undone.');
   }
 }

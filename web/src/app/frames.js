@@ -4,7 +4,7 @@ import {filesPath} from './api.js';
 import {refill, setText} from './parts.js';
 import {canDo} from './states.js';
 
-const frame = (title, src) => h('iframe', {title, src, class: 'view-frame'});
+const frame = (title, src, props = {}) => h('iframe', {title, src, class: 'view-frame', ...props});
 
 // What the 3D view in a frame turns around: {point, distance}; undefined when there is none.
 export const focusOf = (element) => {
@@ -82,7 +82,10 @@ export class Frames {
       panel.hidden = !selected;
     }
     const {name, changed} = this.project;
-    if (all.includes('view') && !this.viewFrame) fill(this.view, this.viewFrame = frame(`${name} in 3D`, filesPath(this.id, 'view')));
+    if (all.includes('view') && !this.viewFrame) {
+      this.viewFrame = frame(`${name} in 3D`, filesPath(this.id, 'view'), {onload: () => this.loaded()});
+      fill(this.view, this.viewFrame);
+    }
     if (this.current === 'report' && this.reported !== changed) {
       this.reported = changed;
       fill(this.report, frame(`Report of ${name}`, filesPath(this.id, 'report')));
@@ -90,6 +93,17 @@ export class Frames {
     if (this.current === 'compare' && !this.pair.firstChild) this.compare();
     const page = {view: 'view', report: 'report'}[this.current];
     refill(this.links, page, () => page && h('a', {href: filesPath(this.id, page), target: '_blank', rel: 'noopener'}, 'Open in a page of its own'));
+  }
+
+  loaded() {
+    this.viewFrame.contentWindow.addEventListener('keydown', (event) => this.onViewKey?.(event));
+    this.preview(this.edits);
+  }
+
+  // The 3D view leaves out what the edits leave out; one that loads later, too.
+  preview(edits) {
+    this.edits = edits;
+    if (edits) this.viewFrame?.contentWindow?.postMessage({edits}, window.location.origin);
   }
 
   compare() {

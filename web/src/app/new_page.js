@@ -1,9 +1,10 @@
 // Where a splat begins: photos make a project, whose page then goes on.
 import {h} from '../shared/dom.js';
 import {post} from './api.js';
-import {dropZone} from './drop.js';
+import {dropZone, MOST_FILES} from './drop.js';
 import {howTo} from './how_to.js';
 import {attempt, say} from './parts.js';
+import {countOf} from './states.js';
 import {uploadsOf} from './uploads.js';
 
 export class NewPage {
@@ -34,8 +35,11 @@ export async function begin(session, {files, name}) {
   session.poll();
 }
 
-// Adds files to a project that is there.
-export function addFiles(id, files, stored) {
-  const {added, twice} = uploadsOf(id).add(files, stored);
+// Adds files to a project that is there; those beyond what a project holds are left out.
+export function addFiles(id, files, stored = []) {
+  const uploads = uploadsOf(id);
+  const room = Math.max(0, MOST_FILES - stored.length - uploads.pending);
+  const {added, twice} = uploads.add(files.slice(0, room), stored);
+  if (files.length > room) say(`A splat takes at most ${countOf(MOST_FILES, 'file')}. ${room === 0 ? 'None' : `Only the first ${room.toLocaleString('en')}`} of these ${room === 1 ? 'is' : 'are'} taken.`, {bad: true});
   if (twice > 0) say(added === 0 ? 'All of these are here already.' : `${twice} of these are here already and ${twice === 1 ? 'is' : 'are'} not sent twice.`);
 }

@@ -1,19 +1,23 @@
 // The photos of a project: those that it has and those that are on their way.
 import {h} from '../shared/dom.js';
 import {filesPath, post, projectPath} from './api.js';
-import {announce, attempt, setText, soon} from './parts.js';
+import {announce, attempt, button, setText, soon} from './parts.js';
 import {PhotoTile} from './photo_tile.js';
 import {canDo, countOf} from './states.js';
 import {Thumbnails} from './thumbnails.js';
 
+const AT_ONCE = 500;  // tiles that are shown; ten thousand would make a page slow
+
 export class PhotoGrid {
   constructor(session, uploads) {
-    Object.assign(this, {session, uploads, stored: new Map(), sending: new Map(), forgotten: new Map()});  // forgotten: id to when
+    Object.assign(this, {session, uploads, stored: new Map(), sending: new Map(), forgotten: new Map(), unseen: new Map(), most: AT_ONCE});  // forgotten: id to when; unseen: tile to its photo
     this.thumbnails = new Thumbnails();
     this.summary = h('p', {class: 'photo-summary'});
     this.general = h('ul', {class: 'photo-general', hidden: true});
     this.list = h('ul', {class: 'photos', 'aria-label': 'Photos'});
-    this.element = h('div', {}, this.summary, this.general, this.list);
+    this.again = button('Try all of them again', () => this.uploads.retryFailed(), {hidden: true});
+    this.more = button('', () => this.showMore(), {hidden: true});
+    this.element = h('div', {class: 'stack'}, h('div', {}, this.summary, this.again, this.general, this.list), this.more);
     this.countSoon = soon(() => this.count());
     this.onItem = ({detail}) => this.take(detail);
     this.onIdle = () => this.count(true);
@@ -29,9 +33,32 @@ export class PhotoGrid {
 
   tile(name, size, blobOf) {
     const tile = new PhotoTile(name, size, {remove: (which) => this.remove(which), retry: ({item}) => this.uploads.retry(item)});
-    if (blobOf) this.thumbnails.want(tile.picture, blobOf, (address) => tile.showPicture(address));
-    this.list.append(tile.element);
+    this.unseen.set(tile, blobOf);
+    this.fillUp();
     return tile;
+  }
+
+  // to: 'append' or 'prepend'
+  show(tile, to = 'append') {
+    this.list[to](tile.element);
+    const blobOf = this.unseen.get(tile);
+    if (blobOf) this.thumbnails.want(tile.picture, blobOf, (address) => tile.showPicture(address));
+    this.unseen.delete(tile);
+  }
+
+  fillUp() {
+    for (const tile of this.unseen.keys()) {
+      if (this.list.childElementCount >= this.most) return;
+      this.show(tile);
+    }
+  }
+
+  showMore() {
+    const [next] = this.unseen.keys();
+    this.most = this.list.childElementCount + AT_ONCE;
+    this.fillUp();
+    this.count();
+    if (this.more.hidden) next?.element.querySelector('.photo-remove')?.focus();
   }
 
   take(item) {
@@ -45,7 +72,7 @@ export class PhotoGrid {
       if (!tile) this.sending.set(item.key, tile = this.tileOf(item));
       tile.item = item;
       tile.showUpload(item);
-      if (item.reason && !item.shown) this.list.prepend(tile.element);  // to be seen among hundreds
+      if (item.reason && !item.shown) this.show(tile, 'prepend');  // to be seen among hundreds
       item.shown = Boolean(item.reason);
     }
     this.countSoon();
@@ -74,6 +101,8 @@ export class PhotoGrid {
     const focused = tile.element.contains(document.activeElement);
     this.thumbnails.forget(tile.picture);
     tile.element.remove();
+    this.unseen.delete(tile);
+    this.fillUp();
     if (focused) next?.querySelector('.photo-remove')?.focus();
   }
 
@@ -120,6 +149,7 @@ export class PhotoGrid {
         tile.id = file.id;
         this.stored.set(file.id, tile);
       }
+      if (reasons.has(file.id) && this.unseen.has(tile)) this.show(tile, 'prepend');
       tile.showStored(reasons.get(file.id) ?? [], removable);
     }
     this.marked = reasons.size;
@@ -143,6 +173,9 @@ export class PhotoGrid {
       checking && 'the photos are being looked at',
       this.marked > 0 && `${countOf(this.marked, 'photo')} may do harm; the reason is beside each`].filter(Boolean).join(' · ');
     setText(this.summary, text);
+    this.again.hidden = this.uploads.failed.length < 2;
+    this.more.hidden = this.unseen.size === 0;
+    setText(this.more, `Show ${Math.min(AT_ONCE, this.unseen.size)} more of ${countOf(this.unseen.size, 'file')}`);
     if (aloud && items.length > 0) announce(text);
   }
 }

@@ -3,6 +3,7 @@ import {fill, h} from '../shared/dom.js';
 import {bytes} from '../shared/format.js';
 import {button, setText} from './parts.js';
 
+const UNSEEN = /^(HEIC|HEIF|TIFF?)$/;  // photos that the program reads and most browsers do not
 const ending = (name) => (/\.([^.]{1,5})$/.exec(name)?.[1] ?? 'file').toUpperCase();
 
 export class PhotoTile {
@@ -21,7 +22,7 @@ export class PhotoTile {
 
   showPicture(address) {
     if (address) fill(this.picture, h('img', {src: address, alt: '', decoding: 'async'}));
-    else this.picture.append(h('span', {class: 'photo-nopreview'}, 'no preview'));
+    else this.picture.append(h('span', {class: 'photo-nopreview'}, UNSEEN.test(ending(this.name)) ? 'Your browser cannot show this kind of photo. OracleGS can read it.' : 'no preview'));
   }
 
   showUpload({state, sent, reason}) {

@@ -38,7 +38,7 @@ export class ProjectPage {
     this.start = new StartPanel(session, this.uploads, chooser((drop) => this.take(drop), 'Add photos', false));
     this.progress = new ProgressPanel(session);
     this.downloads = new Downloads(session);
-    this.edits = new Edits(session, this.frames);
+    this.edits = new Edits(session, id, this.frames);
     this.quality = h('p', {class: 'note'});
     this.panels = [this.start, this.progress, this.downloads, this.edits, this.frames];
     this.side = h('div', {class: 'side-column'});
@@ -51,6 +51,7 @@ export class ProjectPage {
   close() {
     this.grid.close();
     this.start.close();
+    this.edits.close();
   }
 
   // What is reached first is what one came for: the start before hundreds of photos, the progress, the splat before its downloads.

@@ -21,7 +21,7 @@ export const about = (seconds) => (seconds < 10 ? 'a few seconds' : `about ${dur
 
 // One line about where a run is.
 export function progressLine({state, progress, message}) {
-  if (state === 'failed' || state === 'stopped') return message ?? '';
+  if (state === 'failed' || state === 'stopped') return message === 'interrupted' ? '' : message ?? '';  // whoever stopped it knows
   if (state === 'elsewhere') return message || 'Another program is working on this splat.';
   if (!progress) return '';
   if (state === 'waiting') return progress.position > 1 ? `Number ${progress.position} in the queue` : 'Next in the queue';

@@ -43,9 +43,13 @@ export class Uploads extends EventTarget {
     this.pump();
   }
 
-  // Those that broke off while the program was away.
-  retryBroken() {
-    for (const item of this.items.values()) if (item.state === 'failed' && item.broken) this.retry(item);
+  get failed() {
+    return [...this.items.values()].filter(({state}) => state === 'failed');
+  }
+
+  // Those that failed; or only those that broke off while the program was away.
+  retryFailed({broken = false} = {}) {
+    for (const item of this.failed) if (item.broken || !broken) this.retry(item);
   }
 
   drop(item) {
@@ -58,7 +62,9 @@ export class Uploads extends EventTarget {
 
   // Nothing is sent to a project that is gone.
   clear() {
-    for (const item of [...this.items.values()]) this.drop(item);
+    const all = [...this.items.values()];
+    this.items.clear();  // first: what ends makes room for none of the others
+    for (const item of all) this.drop(item);
   }
 
   // The program keeps the file no longer, so that it can be added again.
@@ -134,5 +140,5 @@ export function uploadsOf(id) {
   return all.get(id);
 }
 
-export const retryAllBroken = () => all.forEach((uploads) => uploads.retryBroken());
+export const retryAllBroken = () => all.forEach((uploads) => uploads.retryFailed({broken: true}));
 export const anyPending = () => [...all.values()].some((uploads) => uploads.pending > 0);

@@ -1,6 +1,7 @@
-// Gives each Gaussian the color of a mode (shared/modes.js), and hides those with little support. A texel a Gaussian holds
-// what is known of it: its support and its uncertainty. Uniforms say what is shown, so a change costs nothing.
-import {Vector2} from 'three';
+// Gives each Gaussian the color of a mode (shared/modes.js), and hides those with little support and what is cut off. A texel a
+// Gaussian holds what is known of it: its support, its uncertainty, and whether it is a speck. Uniforms say what is shown, so
+// a change costs nothing.
+import {Vector2, Vector3, Vector4} from 'three';
 import {RgbaArray, dyno} from '@sparkjsdev/spark';
 import {MODES} from '../shared/modes.js';
 import {CLASSES, rgbOf} from '../shared/support_classes.js';
@@ -11,13 +12,16 @@ export class Recoloring {
   constructor(mesh, marks) {
     this.mesh = mesh;
     this.marks = marks;
-    if (marks.support || marks.uncertainty) {
-      this.texels = new RgbaArray({array: texelsOf(marks, mesh.numSplats), count: mesh.numSplats});
-      this.texels.needsUpdate = true;
-    }
+    this.array = texelsOf(marks, mesh.numSplats);
+    this.texels = new RgbaArray({array: this.array, count: mesh.numSplats});
+    this.texels.needsUpdate = true;
     this.mode = dyno.dynoInt(0);
     this.hideBelow = dyno.dynoFloat(0);
     this.nearness = dyno.dynoVec2(new Vector2(0, 1));  // 1 / far, 1 / near
+    this.low = dyno.dynoVec3(new Vector3());
+    this.high = dyno.dynoVec3(new Vector3());
+    this.ball = dyno.dynoVec4(new Vector4());  // center and radius
+    this.noSpecks = dyno.dynoBool(false);
     mesh.objectModifier = dyno.dynoBlock({gsplat: dyno.Gsplat}, {gsplat: dyno.Gsplat}, ({gsplat}) => ({gsplat: this.apply(gsplat)}));
     mesh.updateGenerator();
   }
@@ -27,11 +31,11 @@ export class Recoloring {
     const {viewToObject} = this.mesh.context;
     const inputs = {
       gsplat, mode: this.mode, hideBelow: this.hideBelow, range: this.nearness, eye: viewToObject.translate, turn: viewToObject.rotate,
-      ...(this.texels && {texels: this.texels.dyno})};
+      low: this.low, high: this.high, ball: this.ball, noSpecks: this.noSpecks, texels: this.texels.dyno};
     return new dyno.Dyno({
       inTypes: {
         gsplat: dyno.Gsplat, mode: 'int', hideBelow: 'float', range: 'vec2', eye: 'vec3', turn: 'vec4',
-        ...(this.texels && {texels: this.texels.dyno.type})},
+        low: 'vec3', high: 'vec3', ball: 'vec4', noSpecks: 'bool', texels: this.texels.dyno.type},
       outTypes: {gsplat: dyno.Gsplat},
       inputs,
       globals: () => [...MODES.filter((mode) => mode.ramp).map((mode) => rampFunction(mode)), CLASS_FUNCTION],
@@ -41,7 +45,7 @@ export class Recoloring {
           vec3 own = ${i.gsplat}.rgba.rgb;
           vec3 shown = own;
           float brightness = dot(clamp(own, 0.0, 1.0), vec3(0.2126, 0.7152, 0.0722));
-          vec4 texel = ${i.texels ? `texelFetch(${i.texels}.texture, splatTexCoord(${i.gsplat}.index), 0)` : 'vec4(1.0)'};
+          vec4 texel = texelFetch(${i.texels}.texture, splatTexCoord(${i.gsplat}.index), 0);
           vec3 support = classColor(texel.r);
           float uncertainty = texel.g;
           vec3 away = ${i.gsplat}.center - ${i.eye};
@@ -52,7 +56,9 @@ export class Recoloring {
           vec3 normal = quatVec(vec4(-${i.turn}.xyz, ${i.turn}.w), dot(axis, away) > 0.0 ? -axis : axis) * vec3(1, -1, -1);
           ${MODES.map(({shader}, k) => (shader ? `if (${i.mode} == ${k}) { ${shader} }` : '')).join('\n')}
           ${o.gsplat}.rgba.rgb = shown;
-          if (texel.r + 0.001 < ${i.hideBelow}) ${o.gsplat}.rgba.a = 0.0;
+          vec3 at = quatVec(vec4(${glslQuaternion(this.mesh.quaternion)}), ${i.gsplat}.center);
+          bool cut = any(lessThan(at, ${i.low})) || any(greaterThan(at, ${i.high})) || distance(at, ${i.ball}.xyz) > ${i.ball}.w;
+          if (cut || texel.r + 0.001 < ${i.hideBelow} || (${i.noSpecks} && texel.b > 0.5)) ${o.gsplat}.rgba.a = 0.0;
         }
       `.split('\n'),
     }).outputs.gsplat;
@@ -67,6 +73,20 @@ export class Recoloring {
     this.mesh.updateVersion();
   }
 
+  // cut: see cut.js; specks: Uint8Array, 1 for a speck, once it is known.
+  cut({box, center, radius}, specks) {
+    this.low.value.copy(box.min);
+    this.high.value.copy(box.max);
+    this.ball.value.set(...center.toArray(), radius);
+    this.noSpecks.value = Boolean(specks);
+    if (specks && specks !== this.specks) {
+      this.specks = specks;
+      specks.forEach((is, i) => { this.array[4 * i + 2] = 255 * is; });
+      this.texels.needsUpdate = true;
+    }
+    this.mesh.updateVersion();
+  }
+
   // The distances at the ends of the ramp, in scene units.
   setRange({near, far}) {
     this.nearness.value.set(1 / far, 1 / near);
@@ -74,11 +94,13 @@ export class Recoloring {
   }
 
   dispose() {
-    this.texels?.dispose();
+    this.texels.dispose();
   }
 }
 
 const glsl = (color) => `vec3(${rgbOf(color).map((v) => (v / 255).toFixed(4)).join(', ')})`;
+
+const glslQuaternion = (q) => q.toArray().map((v) => v.toFixed(6)).join(', ');
 
 // The color of a support's class; a quarter of a byte's step keeps the borders of the classes.
 const CLASS_FUNCTION = `

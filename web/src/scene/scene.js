@@ -6,11 +6,13 @@
 import {Quaternion, Vector3} from 'three';
 import {countClasses} from '../shared/support_classes.js';
 import {Controls} from './controls.js';
+import {Cut} from './cut.js';
 import {depthRange} from './depth_range.js';
 import {Frusta} from './frusta.js';
 import {defaultIntrinsics, forwardOf, frameOf, lookingAt, poseOf} from './poses.js';
 import {imageRect, mixIntrinsics, verticalAngle, widened} from './projection.js';
 import {Recoloring} from './recoloring.js';
+import {findSpecks} from './specks.js';
 import {centersOf, decodeSplat, pointUnder} from './splat.js';
 import {Stage} from './stage.js';
 
@@ -27,6 +29,8 @@ export class SplatScene extends EventTarget {
     this.views = [];
     this.mode = 'color';
     this.hideBelow = 0;
+    this.edits = {};
+    this.cut = new Cut({});
     this.settle(lookingAt(new Vector3(0, 0, -3), new Vector3(), new Vector3(0, -1, 0), defaultIntrinsics));
     this.controls = new Controls(this.stage, {
       ...options, pose: () => this.pose, frame: {up: new Vector3(0, -1, 0), center: new Vector3(), radius: 1},
@@ -63,6 +67,7 @@ export class SplatScene extends EventTarget {
   applyFrame() {
     const poses = this.views.filter((view) => view.role !== 'proposal').map((view) => poseOf(view.camera));
     this.controls.frame = frameOf(this.place, poses, this.centers);
+    this.edit(this.edits);
     this.lens();
   }
 
@@ -87,6 +92,7 @@ export class SplatScene extends EventTarget {
       this.home(true);
     }
     this.recolor();
+    this.lookForSpecks();
     this.stage.scene.add(mesh);
     this.stage.invalidate();
   }
@@ -96,7 +102,7 @@ export class SplatScene extends EventTarget {
     this.stage.scene.remove(this.mesh);
     this.recoloring.dispose();
     this.mesh.dispose();
-    this.mesh = this.recoloring = this.marks = this.classCounts = this.someCenters = undefined;
+    this.mesh = this.recoloring = this.marks = this.classCounts = this.someCenters = this.specks = undefined;
   }
 
   get gaussians() {
@@ -110,8 +116,39 @@ export class SplatScene extends EventTarget {
   }
 
   recolor() {
-    this.recoloring?.set(this.mode, this.hideBelow);
+    this.recoloring?.set(this.mode, Math.max(this.hideBelow, this.cut.support));
+    this.recoloring?.cut(this.cut, this.cut.specks ? this.specks : undefined);
     this.lens();
+  }
+
+  // Shows the splat without what these edits leave out, and the edges of a box; see cut.js.
+  edit(edits) {
+    this.edits = edits;
+    if (this.cut.edges) {
+      this.stage.scene.remove(this.cut.edges);
+      this.cut.edges.dispose();
+    }
+    this.cut = new Cut(edits, this.controls.frame);
+    if (this.cut.edges) this.stage.scene.add(this.cut.edges);
+    this.recolor();
+    this.lookForSpecks();
+  }
+
+  async lookForSpecks() {
+    const {mesh} = this;
+    if (!mesh || !this.cut.specks || this.specks || this.looking === mesh) return;
+    this.looking = mesh;
+    const specks = await findSpecks(mesh, () => mesh === this.mesh);
+    if (mesh !== this.mesh) return;
+    this.specks = specks;
+    this.recolor();
+  }
+
+  // Whether a Gaussian, whose center is there, is not hidden.
+  isShown(index, point) {
+    const support = this.marks.support?.[index] ?? 255;
+    const isSpeck = this.cut.specks && this.specks?.[index];
+    return this.cut.holds(point) && !isSpeck && support / 255 + 0.001 >= Math.max(this.hideBelow, this.cut.support);
   }
 
   // Degrees from the top of the 3D view to its bottom.
@@ -173,7 +210,7 @@ export class SplatScene extends EventTarget {
 
   // Looks at what is under a pixel; the camera turns around that from then on.
   turnTo(x, y) {
-    const point = this.mesh && pointUnder(this.mesh, this.stage.camera, this.stage.size, x, y);
+    const point = this.mesh && pointUnder(this.mesh, this.stage, x, y, (...which) => this.isShown(...which));
     if (!point) return;
     const {position, quaternion, intrinsics} = this.pose;
     const way = point.clone().sub(position);

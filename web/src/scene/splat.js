@@ -17,8 +17,9 @@ const NEAR_PIXELS = 10;
 const SOLID = 0.3;  // opacity from which a Gaussian is part of a surface
 const FRONT = 0.2;  // of the Gaussians under a pixel lie before the surface that is seen there
 
-// The point of the splat under a pixel of a camera's canvas (CSS pixels); nothing where nothing solid is.
-export function pointUnder(mesh, camera, size, x, y) {
+// The point of the splat under a pixel of a stage's canvas (CSS pixels); nothing where nothing solid is. isShown(index, point):
+// whether a Gaussian is not hidden.
+export function pointUnder(mesh, {camera, size}, x, y, isShown) {
   const found = [];
   const seen = new Vector3();
   mesh.forEachSplat((index, center, scales, quaternion, opacity) => {
@@ -26,7 +27,7 @@ export function pointUnder(mesh, camera, size, x, y) {
     const point = center.clone().applyQuaternion(mesh.quaternion);
     seen.copy(point).project(camera);
     const away = Math.hypot((seen.x * 0.5 + 0.5) * size.width - x, (0.5 - seen.y * 0.5) * size.height - y);
-    if (Math.abs(seen.z) < 1 && away < NEAR_PIXELS) found.push({point, depth: seen.z});
+    if (Math.abs(seen.z) < 1 && away < NEAR_PIXELS && isShown(index, point)) found.push({point, depth: seen.z});
   });
   found.sort((a, b) => a.depth - b.depth);
   return found[Math.floor(found.length * FRONT)]?.point;

@@ -74,7 +74,7 @@ try {
   scene.setVisible(roles.visible);
   modes.element.append(new LensSlider(scene).element);
 } catch (error) {
-  say(`The 3D view needs WebGL 2: ${error.message}. The images beside it work without.`);
+  say(`The 3D view needs WebGL 2, with which browsers draw in 3D: ${error.message}. Try another browser; the images beside it work without.`);
 }
 
 fold(Boolean(scene));
@@ -184,6 +184,11 @@ listenForKeys({
   m: () => modes.next(), p: () => modes.toggle('provenance'), i: save, h: home, u: nextUp, c: () => roles.toggleAll(), n: () => list.step(1), b: () => list.step(-1),
   '?': () => help.showModal(), Escape: tidy,
   f: () => (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen?.().catch(() => {})),
+});
+
+// The app's page around this one says what its edits are.
+window.addEventListener('message', ({origin, source, data}) => {
+  if (origin === window.location.origin && source === window.parent && data?.edits) scene?.edit(data.edits);
 });
 
 globalThis.oraclegs = {scene, session};  // for the console and for tests
