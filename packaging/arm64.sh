@@ -77,7 +77,11 @@ cmake --build --preset arm64 --parallel "$jobs" --target oraclegs
 # The floors below the pipeline, and the device code on the emulated device.
 floors=(core image camera scene capture sfm demo depth gaussians formats datasets render loss train propose mesh cuda)
 # What fails for a reason of qemu, which is a program among programs of another machine:
-not_emulated=()
+not_emulated=(
+  # the test program starts itself anew, which qemu leaves to a kernel that knows no arm64 program
+  ParallelFor.WorksInAForkedChildAndEndsWithIt
+  Signals/DeadlyInterrupt.TheSecondSignalEndsTheProcess/*
+)
 cmake --build --preset arm64 --parallel "$jobs" --target "${floors[@]/%/_tests}"
 step "tests under qemu"
 OMP_WAIT_POLICY=passive GTEST_BRIEF=1 GTEST_FILTER="-$(IFS=:; echo "${not_emulated[*]}")" \
@@ -90,12 +94,12 @@ step "demo under qemu"
 qemu=$(command -v qemu-aarch64-static || command -v qemu-aarch64)
 work=$(mktemp -d /tmp/oraclegs-arm64.XXXXXX)
 trap 'rm -rf "$work"' EXIT
-"$qemu" -L "$sysroot" build/arm64/bin/oraclegs demo --views 6 --iterations 100 --quiet -o "$work/demo"
+"$qemu" -L "$sysroot" build/arm64/bin/oraclegs demo --width 96 --height 72 --views 4 --iterations 50 --quiet -o "$work/demo"
 test -s "$work/demo/demo.png"
 test -s "$work/demo/run/report.html"
 
 step packages
-cmake --build --preset arm64 --parallel "$jobs" --target all
+cmake --build --preset arm64 --parallel "$jobs" --target oraclegs oraclegs_pages
 packaging/check_hardening.sh build/arm64/bin/oraclegs build/arm64/lib/liboraclegs_{core,openvdb}.so
 # What dpkg-shlibdeps finds on the machine it builds for: the packages of the libraries that are named in what is installed.
 names=$(readelf -d build/arm64/bin/oraclegs build/arm64/lib/liboraclegs_{core,openvdb}.so |
