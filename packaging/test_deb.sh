@@ -6,6 +6,7 @@
 # and has to say what it lacks; with build/release beside it, the installed program also runs on the emulated GPU of the tests.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+source packaging/bare_system.sh
 
 networks=
 if [[ ${1:-} == --networks ]]; then
@@ -13,32 +14,10 @@ if [[ ${1:-} == --networks ]]; then
   shift
 fi
 packages=$(realpath "${1:-build/package/packages}")
-for tool in mmdebstrap dpkg-deb chroot; do
-  command -v "$tool" >/dev/null || {
-    echo "packaging/test_deb.sh: $tool is missing; apt-get install mmdebstrap dpkg" >&2
-    exit 1
-  }
-done
-((EUID == 0)) || {
-  echo "packaging/test_deb.sh: run it as root, it makes a Debian system in a folder" >&2
-  exit 1
-}
 compgen -G "$packages/oraclegs_*.deb" >/dev/null || {
   echo "packaging/test_deb.sh: no oraclegs_*.deb in $packages; run packaging/build.sh first" >&2
   exit 1
 }
-
-root=$(mktemp -d /tmp/oraclegs-root.XXXXXX)
-clean_up() {
-  for mounted in proc dev; do
-    if mountpoint -q "$root/$mounted"; then umount "$root/$mounted"; fi
-  done
-  rm -rf --one-file-system "$root"
-}
-trap clean_up EXIT
-
-step() { echo "== $1 (${SECONDS} s)"; }
-inside() { env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive chroot "$root" "$@"; }
 
 # sizes_of PACKAGES...: what apt would install, in MB on disk and MB to download.
 sizes_of() {
@@ -49,26 +28,21 @@ sizes_of() {
          END { printf "%d packages, %.0f MB on disk, %.0f MB to download", n, disk, load }'
 }
 
-step "a bare Debian 12"
-mirror=${DEBIAN_MIRROR:-http://deb.debian.org}
-mmdebstrap --quiet --variant=apt --mode=root bookworm "$root" "deb $mirror/debian bookworm main" \
-  "deb $mirror/debian bookworm-updates main" "deb $mirror/debian-security bookworm-security main"
-mount -t proc proc "$root/proc"
-mount --bind /dev "$root/dev"
-cp --remove-destination /etc/resolv.conf "$root/etc/resolv.conf"
-install -D -t "$root/packages" "$packages"/*.deb
-inside apt-get -q update >/dev/null
+mapfile -t mirrors < <(debian bookworm)
+bare_system "Debian 12" bookworm "${mirrors[@]}"
+mkdir "$root/packages"
+cp "$packages"/*.deb "$root/packages"
 
 deb=$(cd "$root" && ls packages/oraclegs_*.deb)
 echo "colmap alone brings:           $(sizes_of colmap)"
 echo "/$deb brings: $(sizes_of "/$deb")"
 step "apt install /$deb"
-inside apt-get -q -y install "/$deb" >"$root/tmp/log" 2>&1 || { tail -n 30 "$root/tmp/log" >&2; exit 1; }
+install "/$deb"
 echo "with colmap there:             $(inside du -sm --apparent-size /usr/lib/x86_64-linux-gnu/oraclegs /usr/bin/oraclegs | awk '{ s += $1 } END { print s }') MB are oraclegs itself"
 if [[ -n $networks ]]; then
   step "apt install oraclegs-networks"
   echo "brings: $(sizes_of "/$(cd "$root" && ls packages/oraclegs-networks_*.deb)")"
-  inside apt-get -q -y install "/$(cd "$root" && ls packages/oraclegs-networks_*.deb)" >"$root/tmp/log" 2>&1 || { tail -n 30 "$root/tmp/log" >&2; exit 1; }
+  install "/$(cd "$root" && ls packages/oraclegs-networks_*.deb)"
   inside oraclegs --version | grep libtorch
 fi
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 # Headers that other headers include: OpenVDB's and Highway's are templates of these.
 INDIRECT_HEADERS = {"boost/version.hpp", "Imath/half.h"}
-OUR_LIBRARIES = "liboraclegs_"
+NOT_LISTED = ("liboraclegs_", "ld-linux-aarch64.so")  # ours; the loader, which is glibc's
 # Longer texts are named, not repeated: Boost's has 45 000 lines.
 MAX_TEXT_LINES = 1000
 
@@ -109,7 +109,7 @@ class Component:
 def components_of(binaries, source):
     """Source packages by name, and the libraries that no package owns."""
     known = paths_of_libraries()
-    libraries = {n: Path(known.get(n, n)) for n in set().union(*map(needed, binaries)) if not n.startswith(OUR_LIBRARIES)}
+    libraries = {n: Path(known.get(n, n)) for n in set().union(*map(needed, binaries)) if not n.startswith(NOT_LISTED)}
     headers = {}  # one of each folder is enough
     for header in sorted(included_headers(source)):
         if header_file(header):

@@ -11,12 +11,13 @@
 #     tidy     clang-tidy
 #     tsan     the thread sanitizer on the floors with threads
 #     dev      the floors of the engine, each file on its own and without precompiled headers
+#     arm64    the program for 64-bit ARM, compiled alone: packaging/arm64.sh, which installs Debian's cross compiler
 #     long     minutes a fuzzer, all tests of the preset dev, the growth of parsers; not in --all
 # A stage that cannot run fails; --minutes alone leaves stages out. CI=true: plain output, warnings are errors.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-all_stages=(release asan cuda tidy tsan dev)
+all_stages=(release asan cuda tidy tsan dev arm64)
 stages=()
 minutes=
 while [[ ${1:-} == --all || ${1:-} == --stage || ${1:-} == --minutes ]]; do
@@ -122,6 +123,11 @@ stage_dev() {
   cmake --build build/alone --parallel "$(nproc)" --target "${engine[@]/#/oraclegs_}"
 }
 
+stage_arm64() {
+  step "build arm64"
+  packaging/arm64.sh --build
+}
+
 stage_cuda() {
   command -v nvcc >/dev/null || {
     echo "scripts/test.sh: the stage cuda needs nvcc, of the CUDA toolkit 12 or later; --stage names the others" >&2
@@ -143,7 +149,7 @@ stage_long() {
 }
 
 # What a stage takes, in percent of what release took.
-declare -A share=([asan]=135 [cuda]=15 [tidy]=35 [tsan]=35 [dev]=35)
+declare -A share=([asan]=135 [cuda]=15 [tidy]=35 [tsan]=35 [dev]=35 [arm64]=35)
 
 scripts/bootstrap.sh
 passed=() left_out=() release_seconds=0

@@ -29,6 +29,8 @@ thread_local bool t_in_region = false;
 void Pause() {
 #if defined(__x86_64__)
   __builtin_ia32_pause();
+#elif defined(__aarch64__)
+  asm volatile("isb" ::: "memory");  // yield is nothing on most of these processors
 #endif
 }
 

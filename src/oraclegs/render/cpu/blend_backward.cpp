@@ -307,7 +307,7 @@ HWY_EXPORT(BlendTileBackward);
 namespace cpu {
 int64_t BlendTileBackward(const TileWork& tile, const BlendImage& forward, const UpstreamPlanes& upstream,
                           float* records) {
-  return HWY_DYNAMIC_DISPATCH(oraclegs::BlendTileBackward)(tile, forward, upstream, records);
+  return HWY_DYNAMIC_DISPATCH(BlendTileBackward)(tile, forward, upstream, records);
 }
 }  // namespace cpu
 }  // namespace oraclegs

@@ -230,9 +230,7 @@ namespace oraclegs {
 HWY_EXPORT(BlendTile);
 
 namespace cpu {
-int64_t BlendTile(const TileWork& tile, const BlendImage& out) {
-  return HWY_DYNAMIC_DISPATCH(oraclegs::BlendTile)(tile, out);
-}
+int64_t BlendTile(const TileWork& tile, const BlendImage& out) { return HWY_DYNAMIC_DISPATCH(BlendTile)(tile, out); }
 }  // namespace cpu
 }  // namespace oraclegs
 #endif

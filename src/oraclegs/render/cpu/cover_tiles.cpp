@@ -85,7 +85,7 @@ HWY_EXPORT(CoverTiles);
 
 namespace cpu {
 uint32_t CoverTiles(const CoverInput& in, int64_t begin, int64_t end, uint32_t first_pair, const CoverOutput& out) {
-  return HWY_DYNAMIC_DISPATCH(oraclegs::CoverTiles)(in, begin, end, first_pair, out);
+  return HWY_DYNAMIC_DISPATCH(CoverTiles)(in, begin, end, first_pair, out);
 }
 }  // namespace cpu
 }  // namespace oraclegs

@@ -336,11 +336,11 @@ HWY_EXPORT(ProjectSplatsBackward);
 
 namespace cpu {
 void ProjectSplats(const ProjectInput& in, int64_t begin, int64_t end, LineSplat* splats, TileRect* rects) {
-  HWY_DYNAMIC_DISPATCH(oraclegs::ProjectSplats)(in, begin, end, splats, rects);
+  HWY_DYNAMIC_DISPATCH(ProjectSplats)(in, begin, end, splats, rects);
 }
 void ProjectSplatsBackward(const ProjectInput& in, const GradInput& grads, int64_t begin, int64_t end,
                            const GaussianRows& out) {
-  HWY_DYNAMIC_DISPATCH(oraclegs::ProjectSplatsBackward)(in, grads, begin, end, out);
+  HWY_DYNAMIC_DISPATCH(ProjectSplatsBackward)(in, grads, begin, end, out);
 }
 }  // namespace cpu
 }  // namespace oraclegs
