@@ -19,8 +19,11 @@ target_compile_options(oraclegs_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wall;
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
   # ARM always has a fused multiply-add, x86-64 only where Highway asks: results shall not hang on what a compiler fuses.
   # GCC also notes where ARM's calling convention changed between C++14 and C++17.
+  # Of Highway's instruction sets one is left, NEON, which all of them have: there is nothing to choose when the program starts.
+  # Highway then gives functions no instruction set of their own, which the constructors that GCC writes itself would lack.
   target_compile_options(oraclegs_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off>
                          $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-psabi>)
+  target_compile_definitions(oraclegs_flags INTERFACE TOOLCHAIN_MISS_SYS_AUXV_H)
 endif()
 if(ORACLEGS_WERROR)
   target_compile_options(oraclegs_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Werror>)

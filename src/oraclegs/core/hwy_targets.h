@@ -8,9 +8,3 @@
 #else
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #endif
-
-// A 64-bit ARM has one left, NEON, which all of them have: there is nothing to choose when the program starts. Highway
-// then gives functions no instruction set of their own, which the constructors that GCC writes itself would lack.
-#ifdef __aarch64__
-#define TOOLCHAIN_MISS_SYS_AUXV_H
-#endif
