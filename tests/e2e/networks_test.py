@@ -108,7 +108,7 @@ class Networks(ManyViews):
             with open(models / model / "model.safetensors", "wb") as file:
                 file.write(len(header).to_bytes(8, "little") + header)
                 file.truncate(8 + len(header) + 4 * numbers)
-            self.error_of(*arguments, code=2, names=[f"{asked} would compute on the CPU", "CUDA", "--device cpu"], **env)
+            self.error_of(*arguments, code=2, names=[f"{asked} would compute on the CPU", "NVIDIA GPU", "--device cpu"], **env)
         self.assertFalse(out.exists())
 
     def test_too_little_is_told_before_anything_is_computed(self):

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "oraclegs/core/cuda_library.h"
 #include "support/errors.h"
 #include "train/small_scene.h"
 
@@ -59,14 +60,15 @@ TEST(MakeTrainDevice, MakesTheCpus) {
   EXPECT_NE(MakeTrainDevice(kCpu, {options, plan, 60}), nullptr);
 }
 
-TEST(MakeTrainDevice, RefusesDevicesThatTheBuildLacks) {
+TEST(MakeTrainDevice, NeedsTheLibraryOfDeviceCodeForAGpu) {
+  if (HasCudaLibrary()) GTEST_SKIP() << "which this build has";
   const TrainOptions options = Options();
   const LossPlan plan(options, Photos(1));
-  const Device none{static_cast<DeviceKind>(7), 0};
+  const Device gpu{DeviceKind::kCuda, 0};
   EXPECT_THAT(MessageOf<UsageError>([&] {
-                MakeTrainDevice(none, {options, plan, 60});
+                MakeTrainDevice(gpu, {options, plan, 60});
               }),
-              testing::HasSubstr("--device cpu"));
+              testing::HasSubstr("liboraclegs_cuda.so, which is not here"));
 }
 
 }  // namespace
