@@ -67,7 +67,7 @@ if compgen -G "$packages/oraclegs-cuda_*.deb" >/dev/null; then
   fi
   emulated=build/release/lib/liboraclegs_cuda_emulated.so
   if [[ -e $emulated ]]; then
-    install -D -t "$root/tmp" "$emulated"
+    cp "$emulated" "$root/tmp/"
     inside env ORACLEGS_CUDA_LIBRARY=/tmp/liboraclegs_cuda_emulated.so oraclegs "${small[@]}" --device cuda 2>&1 | grep 'on the GPU'
   fi
 fi
