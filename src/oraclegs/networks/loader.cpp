@@ -3,6 +3,7 @@
 #include <map>
 #include <mutex>
 
+#include "oraclegs/core/config.h"
 #include "oraclegs/core/loaded_library.h"
 #include "oraclegs/networks/build_id.h"
 
