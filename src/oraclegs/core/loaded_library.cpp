@@ -19,9 +19,9 @@ namespace fs = std::filesystem;
     throw UsageError("{}: is of another build than this program; build both together ({})", file.string(), reason);
   }
   if (reason.find("cannot open shared object file") != std::string::npos) {
-    throw UsageError("{}: needs a library that is not here; {} ({})", file.string(), kind.how_to_mend, reason);
+    throw UsageError("{}: needs a library that is not here; {} ({})", file.string(), kind.how_to_fix, reason);
   }
-  throw UsageError("{}: cannot be loaded; build it again, or {} ({})", file.string(), kind.how_to_mend, reason);
+  throw UsageError("{}: cannot be loaded; build it again, or {} ({})", file.string(), kind.how_to_fix, reason);
 }
 
 }  // namespace

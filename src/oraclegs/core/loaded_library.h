@@ -9,11 +9,11 @@ namespace oraclegs {
 
 /// A library, and the words of its errors.
 struct LibraryKind {
-  std::string file;         ///< "liboraclegs_cuda.so"
-  std::string content;      ///< "networks": of which it is a library
-  const char* variable;     ///< environment variable that names another file, in place of the search; null = none
-  std::string how_to_get;   ///< where there is none: "install it beside the program"
-  std::string how_to_mend;  ///< where the system's loader refuses it: "install libtorch-dev"
+  std::string file;        ///< "liboraclegs_cuda.so"
+  std::string content;     ///< "networks": of which it is a library
+  const char* variable;    ///< environment variable that names another file, in place of the search; null = none
+  std::string how_to_get;  ///< where there is none: "install it beside the program"
+  std::string how_to_fix;  ///< where the system's loader refuses it: "install libtorch-dev"
   const char* build_function = nullptr;  ///< exported `const char* ()`: the build it is of; null = not asked
   std::string build = {};                ///< that it has to be of
 };
