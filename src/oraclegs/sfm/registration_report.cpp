@@ -67,8 +67,13 @@ std::string Advice(const RegistrationReport& report, size_t index) {
           view.features);
     case ViewStatus::kNoMatches:
       if (around.empty()) return "take photos that overlap with it by more than half";
-      if (around.size() == 1) return fmt::format("take one between {} and {}", around[0], view.name);
-      return fmt::format("take one between {} and {}, and one between it and {}", around[0], view.name, around[1]);
+      if (around.size() == 1)
+        return fmt::format("take one between {} and {}, or leave it out if it shows something else", around[0],
+                           view.name);
+      return fmt::format(
+          "take one between {} and {}, and one between it and {}, or leave it out if it shows something "
+          "else",
+          around[0], view.name, around[1]);
     case ViewStatus::kFewMatches:
     case ViewStatus::kDoesNotFit:
       return fmt::format("take one between {} and {}", view.neighbors[0].name, view.name);

@@ -295,8 +295,8 @@ nlohmann::json ReportViews::Advice() {
   if (advice.empty()) {
     advice.push_back(
         {{"text",
-          "You have enough photos: from every place that was tried, the splat is about as sure as where your "
-          "photos were taken."},
+          "You have enough photos of what they show: from every place that was tried, between and around them, the "
+          "splat is about as sure as where they were taken. What none of them shows needs others."},
          {"view", nullptr}});
   }
   return advice;
