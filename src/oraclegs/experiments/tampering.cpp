@@ -18,6 +18,7 @@
 #include "oraclegs/run/reconstruct.h"
 #include "oraclegs/run/stages.h"
 #include "oraclegs/scene/loaded_view.h"
+#include "oraclegs/settings/from_results.h"
 #include "oraclegs/settings/run_size.h"
 #include "oraclegs/stages/proposer_row.h"
 #include "oraclegs/stages/stage_clock.h"
@@ -138,7 +139,11 @@ class TamperingSuite {
     request.options.start.seed = seed;
     request.options.split = WithListsRead(request.options.split);
     // A user's folder has no proxy models with it, so no run may use them.
-    request.options.propose.proposers = std::string(name == kModels ? kProxiesWord : kNoneWord);
+    const bool proposes = name == kModels;
+    request.options.propose.proposers = std::string(proposes ? kProxiesWord : kNoneWord);
+    // Also of photos that would train alone: a lie needs a proposal.
+    if (proposes && request.options.trajectory.proposals.is_auto())
+      request.options.trajectory.proposals = kMostProposals;
     return request;
   }
 
