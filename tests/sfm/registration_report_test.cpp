@@ -57,7 +57,7 @@ TEST(MakeReport, ExplainsMissingViews) {
   EXPECT_THAT(p[2].advice, HasSubstr("only 12 features: blurred"));
   EXPECT_EQ(p[3].status, ViewStatus::kNoMatches);
   EXPECT_EQ(p[3].advice,
-            "take one between b and d-alone, and one between it and a, or leave it out if it shows something else");
+            "take one between b and d-alone, and one between it and a, or leave it out if it shows another place");
   EXPECT_EQ(p[4].status, ViewStatus::kFewMatches);
   EXPECT_EQ(p[4].neighbors[0].name, "b") << "the best is first";
   EXPECT_EQ(p[4].advice, "take one between b and e-far");

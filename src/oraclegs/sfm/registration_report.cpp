@@ -65,15 +65,12 @@ std::string Advice(const RegistrationReport& report, size_t index) {
           "this photo has only {} features: blurred, dark or without texture; take it again sharp, "
           "with textured things in view",
           view.features);
-    case ViewStatus::kNoMatches:
+    case ViewStatus::kNoMatches: {
       if (around.empty()) return "take photos that overlap with it by more than half";
-      if (around.size() == 1)
-        return fmt::format("take one between {} and {}, or leave it out if it shows something else", around[0],
-                           view.name);
-      return fmt::format(
-          "take one between {} and {}, and one between it and {}, or leave it out if it shows something "
-          "else",
-          around[0], view.name, around[1]);
+      const std::string second = around.size() == 1 ? "" : fmt::format(", and one between it and {}", around[1]);
+      return fmt::format("take one between {} and {}{}, or leave it out if it shows another place", around[0],
+                         view.name, second);
+    }
     case ViewStatus::kFewMatches:
     case ViewStatus::kDoesNotFit:
       return fmt::format("take one between {} and {}", view.neighbors[0].name, view.name);
