@@ -59,6 +59,7 @@ TEST_F(TamperingTest, TrainsAllTrustsAndGoesOnWhereItWasStopped) {
   EXPECT_FALSE(report.shares[2].confidence[0].on_honest);
 
   const auto saved = [&](const char* name) { return ReadSavedRun(runs / name).options; };
+  EXPECT_EQ(saved("models").at("proposals"), 96) << "also where a run would do without";
   EXPECT_EQ(saved("none").at("proposal-folder"), "");
   EXPECT_EQ(saved("share-15-uniform").at("oracle"), "uniform");
   EXPECT_EQ(saved("share-15-oracle").at("oracle"), "consistency");
